@@ -19,6 +19,8 @@ sys.path[:0] = [str(HERE), str(ROOT)]
 
 FLOCKS = HERE / "_build" / "run"
 """Pages that run flocks, which `build_site.py` has written."""
+RUNNING = {"rules": "model-", "lessons": "lesson-"}
+"""Folders of pages of what runs, and what its page is called before its name."""
 SIZE = 13.5
 """Of letters in an equation, pt."""
 
@@ -45,6 +47,7 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 600
 nb_execution_in_temp = True
+nb_output_stderr = "remove"  # what libraries say of the notebook itself
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
@@ -76,10 +79,18 @@ html_sidebars = {"index": [], "_made/gallery": []}
 html_context = {"default_mode": "auto"}
 
 
-def rewrite_links(_app: Any, name: str, source: list[str]) -> None:
-    """Turn links that leave docs/ to pages of the site where it has them, else into names."""
-    if not name.startswith("_made/"):
-        source[0] = made_pages.rewrite_links(source[0], name.count("/"))
+def complete_page(app: Any, name: str, source: list[str]) -> None:
+    """Turn links that leave docs/ to pages of the site where it has them, else into names; put a
+    button below the title of a model or a lesson that runs in the site."""
+    if name.startswith("_made/"):
+        return
+    source[0] = made_pages.rewrite_links(source[0], name.count("/"))
+    kind, _, card = name.partition("/")
+    page = f"{RUNNING.get(kind, '')}{card}.html"
+    if kind in RUNNING and app.tags.has("flocks") and (FLOCKS / page).is_file():
+        title, _, rest = source[0].partition("\n")
+        button = made_pages.run_button(f"../run/{page}", title.lstrip("# "), "Run it in this page")
+        source[0] = f'{title}\n\n<p class="flock-run">{button}</p>\n{rest}'
 
 
 def rewrite_docstring(
@@ -131,7 +142,7 @@ def setup(app: Any) -> dict[str, bool]:
     """Called by Sphinx."""
     made_pages.write_all(HERE / "_made", FLOCKS if app.tags.has("flocks") else None)
     app.add_html_math_renderer("svg", (write_inline, None), (write_block, None))
-    app.connect("source-read", rewrite_links)
+    app.connect("source-read", complete_page)
     app.connect("autodoc-process-signature", short_signature)
     app.connect("autodoc-process-docstring", rewrite_docstring)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

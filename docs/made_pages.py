@@ -29,10 +29,13 @@ from app.live.laboratory.lab_file import Lab
 from app.studies.experiment_file import ExperimentFile
 from app.studies.optimisation.study import OptimisationFile
 from app.studies.sweeps.sweep_file import SweepFile
+from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_collection import GROUPS, LESSON, MODEL, GalleryCard, cards
 from app.viewer.gallery.scene_steps import SceneStep
 
 ROOT = Path(__file__).parents[1]
+SCENE_KEYS = {"tries": "try", "spec": "run"}
+"""Keys of a scene's file that are called otherwise in the code."""
 ROOT_PAGES = {
     "CONTRIBUTING.md": "contributing",
     "CHANGELOG.md": "changes",
@@ -226,6 +229,17 @@ def file_formats() -> str:
         "Layouts of worlds have [a page of their own](../worlds.md), recordings "
         "[too](../recordings.md), and the file of a class is [a ZIP file](../class.md).",
     ]
+    scene = ModuleAnalyzer.for_module(SavedScene.__module__).find_attr_docs()
+    rows = [
+        f"| `{SCENE_KEYS.get(name, name)}` | {' '.join(scene['SavedScene', name]).strip()} |"
+        for name in SavedScene.__dataclass_fields__
+        if ("SavedScene", name) in scene
+    ]
+    parts += [
+        "## A scene",
+        "[Scene files](../laboratory-studies.md#scene-files). `run` has the keys of a run.",
+        "\n".join(["| key | what it is |", "|---|---|", "| `title` | Its title. |", *rows]),
+    ]
     for title, (table, where) in FILES.items():
         parts += [f"## {title}", where, key_table(table)]
         parts += [
@@ -357,13 +371,19 @@ def gallery(flocks: Path | None) -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def run_button(page: str, title: str, words: str) -> str:
+    """A button that runs a flock's page, HTML; see `_static/gallery.js`."""
+    return (
+        f'<button data-run="{page}" aria-label="Run {escape(title, quote=True)}">{words}</button>'
+    )
+
+
 def card_html(card: GalleryCard, flocks: Path | None) -> str:
     """A card: picture, title, what it is, a button if it runs, and where to read on."""
     page = f"{card.name.replace(':', '-')}.html"
     links = []
     if flocks is not None and (flocks / page).is_file():
-        label = f"Run {escape(card.title, quote=True)}"
-        links.append(f'<button data-run="../run/{page}" aria-label="{label}">Run</button>')
+        links.append(run_button(f"../run/{page}", card.title, "Run"))
     if card.name.startswith(MODEL):
         links.append(f'<a href="../rules/{card.name.removeprefix(MODEL)}.html">Read more</a>')
     elif card.name.startswith(LESSON):

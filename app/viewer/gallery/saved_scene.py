@@ -49,7 +49,7 @@ class SavedScene:
 
     title: str
     spec: CompleteSpec
-    """With its own parameters; those that it does not name are the model's."""
+    """The run, with its own parameters; those that it does not name are the model's."""
     beside: Spec | None = None
     """The model beside it, and what it has of its own."""
     watch: str = ""
@@ -57,7 +57,7 @@ class SavedScene:
     tries: str = ""
     """One thing to try."""
     speed: float | None = None
-    """Ticks per second; None: as lively as its body goes."""
+    """Ticks per second; without it, as lively as its body goes."""
     camera: str = ""
     """A preset point of view; empty: the usual one."""
     plots: tuple[str, ...] = ()
