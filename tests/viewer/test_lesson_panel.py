@@ -58,6 +58,8 @@ def laboratory():
     try:
         assert made.simulation.ready.wait(60)
         until(lambda: made.lesson.scene is scene, 30, "the lesson")
+        with made.lesson.lock:
+            pass  # its controls are made by now
         yield made
     finally:
         made.close()
