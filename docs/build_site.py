@@ -155,7 +155,9 @@ def main() -> int:
         tags = ["-t", "flocks"]
         write_flocks(flocks)
     doctrees = built.with_name("doctrees")
-    if run_sphinx(["-W", "--keep-going", "-q", "-d", str(doctrees), *tags, str(HERE), str(built)]):
+    if run_sphinx(
+        ["-E", "-W", "--keep-going", "-q", "-d", str(doctrees), *tags, str(HERE), str(built)]
+    ):
         return 1
     shrink(built)
     if not given.no_flocks:
