@@ -24,7 +24,7 @@ def test_the_benchmark_of_a_class_prints_what_students_get():
         "--students",
         "2",
     ]
-    few = ("--seconds", "4", "--idle", "1")
+    few = ("--seconds", "8", "--idle", "1")
     said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
     assert "2 students, flocks of 300 agents" in said
     assert float(re.search(r"pictures/s +(\S+)", said)[1]) > 1.0

@@ -30,7 +30,7 @@ REST = 0.1
 """Longest time between two looks with somebody there, s: what nobody tells is seen then."""
 UNSEEN = 1.0
 """The same with nobody there, s."""
-BURST = 1.0
+BURST = 3.0
 """What the thread may have worked beyond its share, s: at first it imports and draws much once."""
 BANDWIDTH = 16e6
 """What all browsers together may be sent, bytes/s."""
