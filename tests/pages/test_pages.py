@@ -328,7 +328,7 @@ def test_a_page_prints_the_commands_of_an_installed_flockscope(page):
 def test_a_command_in_a_sentence_is_a_name_or_can_be_called(page):
     for command in inline_commands(page):
         words = arguments(command)
-        assert words[0] in COMMANDS, command
+        assert words[0] in (*COMMANDS, "--version"), command
         rest = words[2:] if words[0] in GROUPS else words[1:]
         if not all(word.startswith("--") for word in rest):  # else it is mentioned, not printed
             parse(words)
