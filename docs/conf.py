@@ -13,9 +13,15 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from docutils.nodes import SkipNode
+
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 sys.path[:0] = [str(HERE), str(ROOT)]
+
+import made_pages  # noqa: E402
+
+from app.viewer.panels.dials import as_text, in_mathtext, line_svg  # noqa: E402
 
 FLOCKS = HERE / "_build" / "run"
 """Pages that run flocks, which `build_site.py` has written."""
@@ -23,10 +29,6 @@ RUNNING = {"rules": "model-", "lessons": "lesson-"}
 """Folders of pages of what runs, and what its page is called before its name."""
 SIZE = 13.5
 """Of letters in an equation, pt."""
-
-import made_pages  # noqa: E402
-
-from app.viewer.panels.dials import as_text, in_mathtext, line_svg  # noqa: E402
 
 project = "flockscope"
 author = "The flockscope authors"
@@ -109,7 +111,6 @@ def short_signature(
 
 def write_inline(self: Any, node: Any) -> None:
     """Write a symbol as text, with what stands below and above it."""
-    from docutils.nodes import SkipNode
 
     def small(match: re.Match[str]) -> str:
         tag = "sub" if match[1] == "_" else "sup"
@@ -122,8 +123,6 @@ def write_inline(self: Any, node: Any) -> None:
 def write_block(self: Any, node: Any) -> None:
     """Write an equation as SVG in the colour of the text, broken where it has wide gaps: nothing is
     loaded, and nothing runs."""
-    from docutils.nodes import SkipNode
-
     lines = re.split(r"\\qquad|\\\\\s*\n", node.astext())
     shown = "".join(f"<div>{as_svg(line.strip().rstrip(','))}</div>" for line in lines)
     self.body.append(f'<div class="math">{shown}</div>')

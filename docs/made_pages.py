@@ -15,9 +15,9 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
+import typer
 from pydantic import BaseModel
 from sphinx.pycode import ModuleAnalyzer
-from typer._click.core import Context
 from typer.cli import get_docs_for_click
 
 from agents.catalogue import MODELS
@@ -131,9 +131,8 @@ def command_line() -> str:
     ]
     for name, entry in COMMANDS.items():
         command = load(name)
-        text = get_docs_for_click(
-            obj=command, ctx=Context(command, info_name=name), name=name, call_prefix="flockscope"
-        )
+        context = typer.Context(command, info_name=name)
+        text = get_docs_for_click(obj=command, ctx=context, name=name, call_prefix="flockscope")
         text = re.sub(r"^(#+) ", r"#\1 ", text, flags=re.M)
         parts.append(text.replace("\\[", "[").strip() or entry.summary)
     return "\n\n".join(parts) + "\n"
