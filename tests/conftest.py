@@ -7,8 +7,8 @@ longer than to run some.
 Three processes test whole files, the dear ones first, so that none is left alone at the end: one
 more than a small machine has cores, since many tests wait. Cars that are driven (`LIVE`) are all
 for one of the three, from the start: they mostly wait, and share the ports of tracking systems.
-In the end one process goes on with what has appointments to keep (`SERIAL`): browsers and a
-cluster. Beside a compiler, or beside each other, such tests would measure the machine. A page of
+In the end one process goes on with what has appointments to keep (`SERIAL`): browsers, whole
+classes and a cluster. Beside a compiler, or beside each other, such tests would measure the machine. A page of
 the documentation is a file by itself, and so is each Python in which the wheel is installed.
 
 Tests write bytecode, whatever PYTHONDONTWRITEBYTECODE says: they start hundreds of processes, and
@@ -22,6 +22,7 @@ import gc
 import os
 import sys
 import time
+import zlib
 from pathlib import Path
 
 import pytest
@@ -36,10 +37,14 @@ HERE = Path(__file__).parent
 BEGUN = time.monotonic()
 MINUTES = float(os.environ.get("FLOCKSCOPE_TEST_MINUTES", "inf"))
 """After which no other test begins; `.ci/run` sets it, which would be ended on a slow machine."""
+PART = os.environ.get("FLOCKSCOPE_TEST_PART", "")
+"""Which of several equal parts of the files is run, as `2/6` (from 0 on); empty: all of them."""
 LIVE = ("tests/live", "tests/cli/test_live.py")
 """What one process runs, beside the others."""
 SERIAL = (
     "tests/browser",
+    "tests/classroom/test_benchmark.py",
+    "tests/classroom/test_worker_killed.py",
     "tests/experiments/test_cluster.py",
     "tests/live/test_slow_browser.py",
     "tests/live/test_strange_datagrams.py",
@@ -308,6 +313,10 @@ def may_hold(path: Path, mark: str) -> bool:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     """Mark tests by their folder, put the dear files first, and draw few examples if quick."""
+    if PART:
+        others = [item for item in items if not is_in_part(item.nodeid)]
+        items[:] = [item for item in items if is_in_part(item.nodeid)]
+        config.hook.pytest_deselected(items=others)
     for item in items:
         for mark in marks(item.path):
             if mark != "quick" or item.get_closest_marker("long") is None:
@@ -318,6 +327,13 @@ def pytest_collection_modifyitems(config, items):
             draw_few(getattr(item, "obj", None), USED)
             draw_few(getattr(item, "cls", None), "settings")
     items.sort(key=lambda item: (place(item.nodeid.partition("::")[0]), item.path in WINDOWS))
+
+
+def is_in_part(test: str) -> bool:
+    """Whether a test's file is in the part that is run; a page of the documentation is a file."""
+    part, parts = map(int, PART.split("/"))
+    file = test if test.startswith("tests/pages") else test.partition("::")[0]
+    return zlib.crc32(file.encode()) % parts == part
 
 
 @pytest.hookimpl(tryfirst=True)
