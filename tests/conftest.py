@@ -8,8 +8,9 @@ Three processes test whole files, the dear ones first, so that none is left alon
 more than a small machine has cores, since many tests wait. Cars that are driven (`LIVE`) are all
 for one of the three, from the start: they mostly wait, and share the ports of tracking systems.
 In the end one process goes on with what has appointments to keep (`SERIAL`): browsers, whole
-classes and a cluster. Beside a compiler, or beside each other, such tests would measure the machine. A page of
-the documentation is a file by itself, and so is each Python in which the wheel is installed.
+classes and a cluster. Beside a compiler, or beside each other, such tests would measure the
+machine. A page of the documentation is a file by itself, and so is each Python in which the wheel
+is installed.
 
 Tests write bytecode, whatever PYTHONDONTWRITEBYTECODE says: they start hundreds of processes, and
 each would compile a hundred files again; so would collecting, each time.
