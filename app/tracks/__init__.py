@@ -1,0 +1,1 @@
+"""Trajectories of real animals, people and robots: read, checked, measured, fitted."""
