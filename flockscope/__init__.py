@@ -10,6 +10,7 @@ may import; nothing else is promised.
 - `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
 - `flockscope.flight`: what one flapping-wing aircraft needs to fly
 - `flockscope.live`: a source of poses and a link to cars of your own
+- `flockscope.tracks`: tracks of real animals, people and robots, read from files
 
 Importing it costs nothing: what a name stands for is imported when it is first asked for.
 
@@ -72,7 +73,7 @@ _HOMES = {
 }
 """Which module has a name: worlds need no compiler, and models no Mesa."""
 __all__ = sorted({name for names in _HOMES.values() for name in names} - {"Refusal"})
-_MODULES = ("flight", "live", "observables", "rules", "worlds")
+_MODULES = ("flight", "live", "observables", "rules", "tracks", "worlds")
 
 
 def __getattr__(name: str) -> Any:
