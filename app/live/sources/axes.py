@@ -16,7 +16,7 @@ from app.live.control.pose import Pose, Sighting, seen, unseen
 from worlds.input_error import InputError, unknown
 
 UPS = ("z", "y")
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Metres in one unit."""
 NOSES = ("x", "-x", "y", "-y", "z", "-z")
 
@@ -36,7 +36,7 @@ class Axes:
     up: str = "z"
     """The axis of the room that points up. With y up, the floor is (x, -z), as Motive has it."""
     unit: str = "m"
-    """Of positions: m, cm or mm."""
+    """Of positions: one of UNITS."""
     nose: str = "x"
     """The axis of the body that points to the nose of the car."""
     top: str = ""

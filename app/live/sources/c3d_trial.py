@@ -8,32 +8,18 @@ A marker that the file has not is NaN, and the body then is not tracked.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from app.live.control.pose import Pose, Sighting, seen, unseen
-from app.live.sources.axes import UNITS, Axes
+import numpy as np
+
+from app.live.control.pose import Sighting
+from app.live.sources.axes import Axes
 from app.live.sources.pose_source import RecordedFrame
-from worlds.input_error import InputError, shorten, unknown
+from app.live.sources.room_tables import MarkedBody, RoomTrial, marked_sighting, unit_of_trial
+from worlds.input_error import InputError, unknown
 from worlds.plug_ins import demand
-
-if TYPE_CHECKING:
-    import numpy as np
-
-LEAST_APART = 0.01
-"""Metres between the two markers of a body below which they give no heading."""
-
-
-@dataclass(frozen=True, slots=True)
-class MarkedBody:
-    """A body that two markers make."""
-
-    name: str
-    rear: str
-    """The marker that says where the body is: on the rear axle."""
-    front: str
-    """The marker that says where its nose points."""
 
 
 def read_trial(
@@ -44,15 +30,7 @@ def read_trial(
     `unit` is what is declared for a file that has none, or one that is not known; empty if nothing
     is. Raises InputError if the file cannot be read, has no such marker, or nothing makes a body.
     """
-    demand("ezc3d", "a C3D file", "live")
-    import ezc3d
-
-    if not path.is_file():
-        raise InputError(f"{path} cannot be read: there is no such file")
-    try:
-        trial = ezc3d.c3d(str(path))
-    except (OSError, RuntimeError, ValueError):
-        raise InputError(f"{path} is not a C3D file") from None
+    trial = _opened(path)
     axes = replace(axes, unit=_unit(path, trial, unit))
     tracks = _of_markers(path, trial, axes, bodies) if bodies else _of_rotations(path, trial, axes)
     ups = {} if bodies else _ups(trial, axes)
@@ -69,37 +47,77 @@ def read_trial(
     ]
 
 
+def _opened(path: Path) -> Any:
+    """A C3D file. Raises InputError."""
+    demand("ezc3d", "a C3D file", "live")
+    import ezc3d
+
+    if not path.is_file():
+        raise InputError(f"{path} cannot be read: there is no such file")
+    try:
+        return ezc3d.c3d(str(path))
+    except (OSError, RuntimeError, ValueError, IndexError, KeyError, TypeError, MemoryError):
+        raise InputError(f"{path} is not a C3D file") from None
+
+
+def read_marker_trial(path: Path) -> RoomTrial:
+    """The markers of a C3D file, or else its rotations, in its axes. Raises InputError.
+
+    Their unit is empty where the file says none, or none that is known.
+    """
+    trial = _opened(path)
+    units = trial["parameters"]["POINT"].get("UNITS", {}).get("value", [])
+    points, group = _points(trial), "POINT"
+    names = _labels(trial, "POINT")[: points.shape[1]]
+    if not points.size and trial["data"]["rotations"].size:
+        group, names = "ROTATION", _labels(trial, "ROTATION")
+        points = trial["data"]["rotations"][:3, 3]
+    if not points.size or len(names) != points.shape[1]:
+        raise InputError(f"{path} has no markers, or not a name for each")
+    rate = _rate(path, trial, group)
+    first = int(trial["header"]["points"]["first_frame"])
+    frame = first + np.arange(points.shape[2])
+    return RoomTrial(
+        tuple(names),
+        points.transpose(2, 1, 0),
+        None,
+        frame,
+        frame / rate,
+        units[0].strip().lower() if len(units) else "",
+        "C3D",
+    )
+
+
+def _points(trial: Any) -> np.ndarray:
+    """The markers (3, M, F), NaN where one is not seen: its residual is below 0 there."""
+    points = trial["data"]["points"][:3].astype(float)
+    residuals = trial["data"].get("meta_points", {}).get("residuals")
+    if residuals is not None and residuals.shape[1:] == points.shape[1:]:
+        points[:, residuals[0] < 0.0] = np.nan
+    return points
+
+
 def _of_markers(
     path: Path, trial: Any, axes: Axes, bodies: tuple[MarkedBody, ...]
 ) -> dict[str, list[Sighting]]:
     """The track of every body that is declared by two markers."""
     labels = _labels(trial, "POINT")
-    points = trial["data"]["points"]  # (4, markers, frames)
+    points = _points(trial)
     for body in bodies:
         for marker in (body.rear, body.front):
             if marker not in labels:
                 raise unknown("marker", marker, labels, str(path))
     return {
         body.name: [
-            _marked(body.name, rear, front, axes)
+            marked_sighting(body.name, rear, front, axes)
             for rear, front in zip(
-                points[:3, labels.index(body.rear)].T,
-                points[:3, labels.index(body.front)].T,
+                points[:, labels.index(body.rear)].T,
+                points[:, labels.index(body.front)].T,
                 strict=True,
             )
         ]
         for body in bodies
     }
-
-
-def _marked(name: str, rear: np.ndarray, front: np.ndarray, axes: Axes) -> Sighting:
-    """A body in one frame, from its two markers (3,)."""
-    x, y = axes.floor(rear)
-    ahead, aside = axes.floor(front)
-    apart = math.hypot(ahead - x, aside - y)
-    if not LEAST_APART <= apart < math.inf:  # nor where one of them is NaN
-        return unseen(name)
-    return seen(name, Pose(x, y, math.atan2(aside - y, ahead - x)))
 
 
 def _of_rotations(path: Path, trial: Any, axes: Axes) -> dict[str, list[Sighting]]:
@@ -154,15 +172,8 @@ def _labels(trial: Any, group: str) -> list[str]:
 def _unit(path: Path, trial: Any, declared: str) -> str:
     """The unit of length of the file, or what is declared where that says none that is known."""
     units = trial["parameters"]["POINT"].get("UNITS", {}).get("value", [])
-    unit = units[0].strip().lower() if len(units) else ""
-    if unit in UNITS and declared not in ("", unit):
-        raise InputError(f"unit = {declared} is declared, but {path} is in {unit} (POINT:UNITS)")
-    if unit not in UNITS and not declared:
-        says = f"has the unknown unit of length {shorten(unit)}" if unit else "has no unit"
-        raise InputError(
-            f"{path} {says} (POINT:UNITS): declare that of its numbers, ?unit={', '.join(UNITS)}"
-        )
-    return unit if unit in UNITS else declared
+    says = units[0].strip().lower() if len(units) else ""
+    return unit_of_trial(path, says, declared, "POINT:UNITS")
 
 
 def _rate(path: Path, trial: Any, group: str) -> float:

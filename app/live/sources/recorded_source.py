@@ -1,4 +1,4 @@
-"""A recording as a source: a C3D trial or a table of poses, played as it came or at any factor."""
+"""A recording as a source: a C3D trial, a table of poses, or what tracking systems export."""
 
 from __future__ import annotations
 
@@ -17,8 +17,16 @@ from app.live.control.plausibility import BodyReport, Swap, judge_bodies
 from app.live.control.pose import MocapFrame, Sighting, unseen
 from app.live.control.safety_limits import CarLimits, SafetyLimits
 from app.live.sources.axes import NOSES, UPS, Axes
-from app.live.sources.c3d_trial import MarkedBody, read_trial
+from app.live.sources.c3d_trial import read_trial
 from app.live.sources.pose_source import RecordedFrame, tracks_of
+from app.live.sources.room_tables import (
+    MarkedBody,
+    first_lines,
+    kind_of_room,
+    read_room_table,
+    trial_frames,
+    unit_of_trial,
+)
 from app.live.sources.source_address import AXES, Address
 from worlds.input_error import InputError, unknown
 
@@ -184,7 +192,7 @@ def _check_columns(path: Path, columns: list[str] | Any) -> None:
         raise InputError(f"{path} has the column {twice[0]} twice")
 
 
-SUFFIXES = (".c3d", ".csv", ".parquet")
+SUFFIXES = (".c3d", ".csv", ".parquet", ".trc", ".tsv", ".txt")
 
 
 @dataclass(frozen=True)
@@ -198,13 +206,13 @@ class RecordedSource:
     axes: Axes = field(default_factory=Axes)
     """How the recording system was set up; the unit of a C3D file is its own."""
     bodies: tuple[MarkedBody, ...] = ()
-    """Of a C3D file: which markers make a body; empty: its rotations are the bodies."""
+    """Of a file of markers: which two make a body; empty: its rotations are the bodies."""
     factor: float = 1.0
     """How many times faster than it was recorded."""
     again: bool = False
     """Whether it begins anew after its end."""
     unit: str = ""
-    """Of a C3D file that says none: its unit of length, as declared; empty if it is not."""
+    """Of a file that says none: its unit of length, as declared; empty if it is not."""
     quaternion: str = ""
     """Of a table: the order of its quaternions, one of `ORDERS`; empty if it is not declared, and
     then they are read with w last."""
@@ -215,7 +223,7 @@ class RecordedSource:
         suffix = self.path.suffix.lower()
         if suffix not in SUFFIXES:
             raise unknown("kind of recording", suffix, SUFFIXES, str(self.path))
-        if self.bodies and suffix != ".c3d":
+        if self.bodies and not self.may_have_markers:
             raise InputError(f"{self.path} holds poses, not markers: it has no use for body=")
         if self.quaternion and suffix == ".c3d":
             raise InputError(f"{self.path} holds no quaternions: it has no use for quaternion=")
@@ -223,6 +231,11 @@ class RecordedSource:
             raise unknown("order of quaternions", self.quaternion, ORDERS)
         if not 0.0 < self.factor < math.inf:
             raise InputError(f"factor = {self.factor:g} is not a positive number")
+
+    @property
+    def may_have_markers(self) -> bool:
+        """Whether it is no table of poses."""
+        return self.path.suffix.lower() == ".c3d" or bool(kind_of_room(first_lines(self.path)))
 
     def describe(self) -> str:
         """What it is in a few words."""
@@ -236,6 +249,10 @@ class RecordedSource:
         """
         if self.path.suffix.lower() == ".c3d":
             return read_trial(self.path, self.axes, self.bodies, self.unit)
+        if self.path.suffix.lower() != ".parquet" and kind_of_room(first_lines(self.path)):
+            trial = read_room_table(self.path)
+            unit = unit_of_trial(self.path, trial.unit, self.unit)
+            return trial_frames(self.path, trial, replace(self.axes, unit=unit), self.bodies)
         return read_table(self.path, self.axes, self.quaternion or ORDERS[0])
 
     def judge(
@@ -319,7 +336,7 @@ def recording_of(address: Address) -> RecordedSource:
             tuple(_marked(word) for word in address.words("body")),
             address.number("factor", 1.0, 0.001, 1000.0),
             address.truth("again", False),
-            address.word("unit", "") if path.suffix.lower() == ".c3d" else "",
+            address.word("unit", ""),
             address.word("quaternion", ""),
         )
     except InputError as refused:

@@ -112,8 +112,8 @@ def columns_of(names: Sequence[str], options: ReadingOptions, file: str) -> dict
     found = dict(options.columns)
     for held, aliases in ALIASES.items():
         if held not in found:
-            column = next((lower[name] for name in aliases if name in lower), None)
-            if column is not None and column not in found.values():
+            column = next((lower[name] for name in aliases if name in lower), "")
+            if column and column not in found.values():
                 found[held] = column
     if "x" not in found or "y" not in found or not {"frame", "time"} & set(found):
         lacks = [held for held in ("x", "y") if held not in found]
