@@ -326,6 +326,8 @@ def row_tracks(
     seen = np.isfinite(told.position[..., 0])
     if not seen.any():
         raise InputError(f"{name} has no individual that is seen")
+    numbers, first = np.unique(frame, return_index=True)
+    seconds = None if time is None else time[first]
     if not seen.all():
         kept = np.flatnonzero(seen)
         told = taken_rows(told, kept)
@@ -345,6 +347,8 @@ def row_tracks(
         boundary=told.boundary,
         notes=tuple(told.notes),
     )
+    if len(numbers) > len(tracks.frame) and seconds is not None:
+        tracks = with_frames(tracks, numbers, seconds)
     return with_empty_frames(tracks)
 
 
@@ -359,35 +363,43 @@ def with_empty_frames(tracks: Tracks) -> Tracks:
         return tracks
     step = int(np.gcd.reduce(gaps))
     count = int((tracks.frame[-1] - tracks.frame[0]) // step) + 1
-    n, dim = len(tracks.ids), tracks.dim
     if count == len(tracks.frame) or count > MOST_EMPTY * len(tracks.frame):
-        return tracks
-    if count * n * dim > MOST_PLACES:
         return tracks
     seconds = np.diff(tracks.time) / gaps
     if np.ptp(seconds) > ON_GRID * np.median(seconds):
         return tracks
-    at = (tracks.frame - tracks.frame[0]) // step
+    frame = tracks.frame[0] + step * np.arange(count)
+    made = with_frames(tracks, frame, np.interp(frame, tracks.frame, tracks.time))
+    if made is tracks:
+        return tracks
+    missing = count - len(tracks.frame)
+    note = f"{missing} frames are not in the file, and nobody is seen in them"
+    return replace(made, notes=(*tracks.notes, note))
+
+
+def with_frames(tracks: Tracks, frame: np.ndarray, time: np.ndarray) -> Tracks:
+    """The same with more frames, nobody seen in those that are new; as it is if these are many."""
+    if len(frame) * len(tracks.ids) * tracks.dim > MOST_PLACES:
+        return tracks
+    at = np.searchsorted(frame, tracks.frame)
 
     def spread(array: np.ndarray | None, empty: float) -> np.ndarray | None:
         if array is None:
             return None
-        table = np.full((count, *array.shape[1:]), empty, array.dtype)
+        table = np.full((len(frame), *array.shape[1:]), empty, array.dtype)
         table[at] = array
         return table
 
     position = spread(tracks.position, np.nan)
     assert position is not None
-    frame = tracks.frame[0] + step * np.arange(count)
     return replace(
         tracks,
         position=position,
         frame=frame,
-        time=np.interp(frame, tracks.frame, tracks.time),
+        time=time,
         heading=spread(tracks.heading, np.nan),
         confidence=spread(tracks.confidence, np.nan),
         filled=spread(tracks.filled, False),
-        notes=(*tracks.notes, f"nobody is seen in {count - len(tracks.frame)} frames"),
     )
 
 

@@ -1,4 +1,4 @@
-"""Files that are damaged, foreign or hostile are refused in one line, and no code of theirs runs."""
+"""Files that are damaged, foreign or hostile are refused in one line; no code of theirs runs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,6 @@ def test_what_is_no_file_is_refused(tmp_path):
     assert "is a folder" in refused([tmp_path, tmp_path / "empty.csv"])
     with pytest.raises(InputError, match="no file of tracks is given"):
         read([])
-    os.mkfifo(tmp_path / "pipe") if hasattr(os, "mkfifo") else None
     (tmp_path / "noise.bin").write_bytes(bytes(range(256)) * 9)
     assert "no format of tracks that is known" in refused(tmp_path / "noise.bin")
     lines(tmp_path / "prose.txt", "Dear reader,", "this is a letter.")
@@ -64,8 +63,6 @@ def test_what_is_no_number_is_told_with_its_line(tmp_path):
     assert "line 3, column x: 'one' is not a number" in refused(path, **KNOWN)
     path = table(tmp_path, "0,a,1,1", "0.5,a,1,2")
     assert "column frame: 0.5 is not a whole number" in refused(path, **KNOWN)
-    path = table(tmp_path, "0,a,1,1", "1,a,1,2,3,4,5")
-    assert "t.csv is no table" in refused(path, **KNOWN)
 
 
 def test_no_number_and_infinity_are_gaps_and_counted(tmp_path):
@@ -98,7 +95,7 @@ def test_wrong_options_are_told(tmp_path):
         ({"rate": 0.0}, "--rate 0 is not allowed"),
         ({"rate": float("nan")}, "--rate nan is not allowed"),
         ({"scale": 0.01}, "--scale is metres in a pixel, but t.csv is in m"),
-        ({"format": "trecks"}, "unknown format 'trecks': did you mean 'trex'?"),
+        ({"format": "sleeap"}, "unknown format 'sleeap': did you mean 'sleap'?"),
         ({"format": "sleap"}, "t.csv is damaged: it cannot be read as HDF5"),
         ({"columns": {"x": "px"}}, "unknown column 'px'"),
         ({"columns": {"colour": "x"}}, "unknown content of a column 'colour'"),
@@ -307,25 +304,35 @@ def test_a_bare_header_of_json_is_refused(tmp_path):
 # Whatever is cut or changed in a file: tracks, or one line.
 
 
-@pytest.fixture(scope="module", params=FORMATS, ids=IDS)
-def sound(request, tmp_path_factory):
-    """A format, its options, the folder of its file, and the bytes of the file or one of them."""
-    folder = tmp_path_factory.mktemp("sound")
-    path = request.param.written(folder)
-    file = sorted(path.iterdir())[0] if path.is_dir() else path
-    return request.param, path, file, file.read_bytes()
+class SoundFile:
+    """A file of a format, or one of its files, which is damaged and mended; its bytes not shown."""
 
+    def __init__(self, form, folder):
+        self.form, self.path = form, form.written(folder)
+        self.file = sorted(self.path.iterdir())[0] if self.path.is_dir() else self.path
+        self.content = self.file.read_bytes()
 
-def attempt(path, options):
-    """Read it, to tracks or one line."""
-    try:
-        tracks = read(path, **options)
-    except InputError as error:
-        assert "\n" not in str(error)
-        assert len(str(error)) < 1500
-    else:
+    def __repr__(self):
+        return self.form.file
+
+    def attempt(self, content, **options):
+        """Read it with other content: to tracks, or refused in one line."""
+        try:
+            self.file.write_bytes(content)
+            tracks = read(self.path, **{**self.form.options, **options})
+        except InputError as error:
+            return str(error)
+        finally:
+            self.file.write_bytes(self.content)
         assert isinstance(tracks, Tracks)
         assert not np.isinf(tracks.position).any()
+        return ""
+
+
+@pytest.fixture(scope="module", params=FORMATS, ids=IDS)
+def sound(request, tmp_path_factory):
+    """A sound file of each format."""
+    return SoundFile(request.param, tmp_path_factory.mktemp("sound"))
 
 
 @settings(
@@ -334,31 +341,30 @@ def attempt(path, options):
 )  # fmt: skip
 @given(data=st.data())
 def test_a_file_that_is_cut_or_changed_is_tracks_or_one_line(sound, data):
-    form, path, file, content = sound
-    cut = data.draw(st.integers(0, len(content)), "cut at")
-    flips = data.draw(
-        st.lists(st.tuples(st.integers(0, len(content) - 1), st.integers(0, 255)), max_size=6),
-        "bytes",
-    )
-    changed = bytearray(content)
-    for at, byte in flips:
+    size = len(sound.content)
+    end = data.draw(st.one_of(st.just(size), st.integers(0, size)), "end")
+    changed = bytearray(sound.content)
+    for at, byte in data.draw(
+        st.lists(st.tuples(st.integers(0, size - 1), st.integers(0, 255)), max_size=6), "bytes"
+    ):
         changed[at] = byte
-    changed = changed[:cut] if data.draw(st.booleans(), "is cut") else changed
-    try:
-        file.write_bytes(changed)
-        attempt(path, form.options)
-        attempt(path, {**form.options, "format": form.name, "columns": None})
-    finally:
-        file.write_bytes(content)
+    for line in (
+        sound.attempt(changed[:end]),
+        sound.attempt(changed[:end], format=sound.form.name, columns=None),
+    ):
+        assert "\n" not in line
+        assert len(line) < 1500
 
 
 @settings(max_examples=100, deadline=None)
 @given(st.binary(max_size=400))
 def test_any_pickle_is_values_or_one_line(content):
+    line = ""
     try:
         stored_arrays.plain_values(content, "any.npy")
     except InputError as error:
-        assert "\n" not in str(error)
+        line = str(error)
+    assert "\n" not in line
 
 
 def test_a_sound_dictionary_is_read_by_the_same_way(tmp_path):

@@ -121,10 +121,10 @@ OPCODES = {
     "PROTO", "FRAME", "STOP", "MARK", "POP", "POP_MARK", "DUP", "MEMOIZE", "PUT", "BINPUT",
     "LONG_BINPUT", "GET", "BINGET", "LONG_BINGET", "NONE", "NEWTRUE", "NEWFALSE", "INT", "BININT",
     "BININT1", "BININT2", "LONG", "LONG1", "LONG4", "FLOAT", "BINFLOAT", "STRING", "BINSTRING",
-    "SHORT_BINSTRING", "BINBYTES", "SHORT_BINBYTES", "BINBYTES8", "UNICODE", "BINUNICODE",
-    "SHORT_BINUNICODE", "BINUNICODE8", "EMPTY_LIST", "APPEND", "APPENDS", "LIST", "EMPTY_TUPLE",
-    "TUPLE", "TUPLE1", "TUPLE2", "TUPLE3", "EMPTY_DICT", "DICT", "SETITEM", "SETITEMS", "GLOBAL",
-    "STACK_GLOBAL", "REDUCE", "BUILD",
+    "SHORT_BINSTRING", "BINBYTES", "SHORT_BINBYTES", "BINBYTES8", "BYTEARRAY8", "UNICODE",
+    "BINUNICODE", "SHORT_BINUNICODE", "BINUNICODE8", "EMPTY_LIST", "APPEND", "APPENDS", "LIST",
+    "EMPTY_TUPLE", "TUPLE", "TUPLE1", "TUPLE2", "TUPLE3", "EMPTY_DICT", "DICT", "SETITEM",
+    "SETITEMS", "GLOBAL", "STACK_GLOBAL", "REDUCE", "BUILD",
 }  # fmt: skip
 """What a pickle may be made of."""
 MOST_OPCODES = 5_000_000
@@ -148,8 +148,9 @@ def plain_values(content: bytes, name: str) -> Any:
             if isinstance(argument, int) and abs(argument) >> 8 * LONGEST_NUMBER:
                 raise refused_pickle(name, "it has a number that is too long")
         return plain_value(PlainUnpickler(io.BytesIO(content), name).load())
-    except InputError:
-        raise
+    except InputError as refusal:
+        message = str(refusal)
+        raise InputError(message if name in message else f"{name} is damaged: {message}") from None
     except RecursionError:
         raise InputError(f"{name} is damaged: it is nested too deep") from None
     except Exception as error:  # whatever a damaged pickle has our functions called with
@@ -262,7 +263,7 @@ def array_of(content: Any, kind: Any, shape: Any, order: str) -> Any:
         return content
     if isinstance(content, str):  # of Python 2
         content = content.encode("latin1")
-    if not isinstance(content, bytes) or len(content) != count * dtype.itemsize:
+    if not isinstance(content, bytes | bytearray) or len(content) != count * dtype.itemsize:
         raise InputError(f"an array of {shape} does not have as many bytes")
     if order not in ("C", "F"):
         raise InputError("the order of an array is none")
@@ -385,6 +386,7 @@ def hdf5_names(path: Path) -> frozenset[str]:
     try:
         with opened_hdf5(path) as opened:
             names = opened.file.keys()
-            return frozenset(list(names)[:MOST_PARTS])
+            # a name that is no UTF-8 is bytes
+            return frozenset(name for name in list(names)[:MOST_PARTS] if isinstance(name, str))
     except InputError:
         return frozenset()
