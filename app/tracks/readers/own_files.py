@@ -20,6 +20,7 @@ from app.tracks.readers.text_columns import (
 )
 from app.tracks.readers.track_reader import BOTTOM_LEFT, FileTracks, ReadingOptions, TrackReader
 from app.tracks.tracks import PIXELS, UNITS
+from worlds.file_writer import unguard_cell
 from worlds.input_error import InputError, shorten, unknown
 
 # Recordings of runs: Parquet with a spec. A tick is a frame.
@@ -159,7 +160,8 @@ def with_header(tracks: FileTracks, header: Mapping[str, Any]) -> FileTracks:
     unit, rate = header.get("unit"), header.get("rate")
     tracks.unit = str(unit) if unit in (*UNITS, PIXELS) else ""
     tracks.origin, tracks.up = BOTTOM_LEFT, "z"  # as `Tracks` has them
-    tracks.rate = float(rate) if isinstance(rate, int | float) and rate > 0.0 else None
+    if tracks.time is None and isinstance(rate, int | float) and rate > 0.0:
+        tracks.rate = float(rate)
     period, boundary = header.get("period"), header.get("boundary")
     dim = tracks.position.shape[1]
     if (
@@ -216,10 +218,12 @@ def plain_rows(
             f"{path.name} has no column for id: name it with --column id=NAME "
             f"(its columns: {', '.join(map(str, list(frame.columns)[:20]))})"
         )
-    rows["id"] = (
-        np.full(len(frame), animal, object) if who is None
-        else frame[who].astype(object).map(id_text).to_numpy(object)
-    )  # fmt: skip
+    if who is None:
+        rows["id"] = np.full(len(frame), animal, object)
+    else:
+        ids = frame[who].astype(object).map(id_text)
+        is_guarded = beginning.kind == "text" and bool(tidy_header(beginning))
+        rows["id"] = (ids.map(unguard_cell) if is_guarded else ids).to_numpy(object)
     return rows
 
 
@@ -236,7 +240,8 @@ def id_text(value: object) -> str:
     """
     if isinstance(value, float) and value.is_integer():
         return str(int(value))
-    return shorten(str(value), 200).strip("'") if len(str(value)) > 200 else str(value)
+    text = str(value)
+    return text if len(text) <= 200 else shorten(text, 200)
 
 
 def is_tidy(beginning: FileBeginning) -> bool:
