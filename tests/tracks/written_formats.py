@@ -57,6 +57,11 @@ class WrittenFormat:
         return path
 
 
+def names() -> list[str]:
+    """The names of the individuals."""
+    return [str(n + 1) for n in range(COUNT)]
+
+
 def rows_of_walk() -> list[tuple[int, int, float, float]]:
     """Frame, individual from 0, x, y of all that are seen, frame by frame."""
     return [(t, n, *PLACES[t, n]) for t in range(FRAMES) for n in range(COUNT) if SEEN[t, n]]
@@ -149,7 +154,7 @@ def write_sleap(path: Path) -> None:
     with h5py.File(path, "w") as file:
         file["tracks"] = nodes.transpose(1, 3, 2, 0)
         file["node_names"] = np.array([b"thorax", b"head"])
-        file["track_names"] = np.array([b"1", b"2", b"3"])
+        file["track_names"] = np.array([name.encode() for name in names()])
         file["point_scores"] = np.full((COUNT, 2, FRAMES), 0.8)
         file["track_occupancy"] = SEEN
 
@@ -182,7 +187,7 @@ def write_movement(path: Path) -> None:
         file["time"] = np.arange(FRAMES) / RATE
         file["space"] = np.array(["x", "y"], dtype=h5py.string_dtype())
         file["keypoints"] = np.array(["centroid"], dtype=h5py.string_dtype())
-        file["individuals"] = np.array(["1", "2", "3"], dtype=h5py.string_dtype())
+        file["individuals"] = np.array(names(), dtype=h5py.string_dtype())
         for name in ("time", "space", "keypoints", "individuals"):
             file[name].make_scale(name)
         places = down(PLACES).transpose(0, 2, 1)[:, :, None, :]  # time, space, keypoint, individual
@@ -226,7 +231,11 @@ METRES = 1e-5 * 111_194.9
 
 def fixes(n: int) -> list[tuple[str, float, float]]:
     return [
-        (f"2015-04-27 06:00:{t:02d}", 10.0 + 1e-5 * PLACES[t, n, 0], 47.0 + 1e-5 * PLACES[t, n, 1])
+        (
+            str(np.datetime64("2015-04-27T06:00:00") + t).replace("T", " "),
+            10.0 + 1e-5 * PLACES[t, n, 0],
+            47.0 + 1e-5 * PLACES[t, n, 1],
+        )
         for t in range(FRAMES)
         if SEEN[t, n]
     ]
@@ -396,12 +405,12 @@ def cells(values: Any, form: str = "{:.6f}") -> str:
 
 
 def write_c3d(path: Path) -> None:
-    write_trial(path, ("1", "2", "3"), 1000.0 * in_space().transpose(2, 1, 0), rate=RATE)
+    write_trial(path, names(), 1000.0 * in_space().transpose(2, 1, 0), rate=RATE)
 
 
 def write_motive(path: Path) -> None:
     places = in_space()[..., [0, 2, 1]] * [1.0, 1.0, -1.0]  # y up, as Motive has it
-    names = [name for n in "123" for name in [n] * 8]
+    bodies = [name for n in names() for name in [n] * 8]
     rows = []
     for t in range(FRAMES):
         row = [f"{t},{t / RATE:.6f}"]
@@ -414,9 +423,9 @@ def write_motive(path: Path) -> None:
         "Format Version,1.23,Take Name,walk,Take Notes,,Capture Frame Rate,25.000000,Export Frame "
         "Rate,25.000000,Rotation Type,Quaternion,Length Units,Millimeters,Coordinate Space,Global",
         "",
-        ",".join([",Type", *["Rigid Body"] * len(names)]),
-        ",".join([",Name", *names]),
-        ",".join([",ID", *["7B"] * len(names)]),
+        ",".join([",Type", *["Rigid Body"] * len(bodies)]),
+        ",".join([",Name", *bodies]),
+        ",".join([",ID", *["7B"] * len(bodies)]),
         ",".join([",", *(["Rotation"] * 4 + ["Position"] * 3 + ["Mean Marker Error"]) * COUNT]),
         ",".join(["Frame,Time (Seconds)", *(["X", "Y", "Z", "W", "X", "Y", "Z", ""] * COUNT)]),
         *rows,
@@ -429,9 +438,9 @@ def write_nexus(path: Path) -> None:
         path,
         "Trajectories",
         "25",
-        ",," + ",,,".join(f"{n}" for n in "123") + ",,",
+        ",," + ",,,".join(names()) + ",,",
         "Frame,Sub Frame," + ",".join(["X,Y,Z"] * COUNT),
-        ",," + ",".join(["mm"] * 9),
+        ",," + ",".join(["mm"] * (3 * COUNT)),
         *rows,
     )
 
@@ -442,7 +451,7 @@ def write_tracker(path: Path) -> None:
                                     else [np.nan] * 6) for n in range(COUNT))])
         for t in range(FRAMES)
     ]  # fmt: skip
-    lines(path, "Objects", "25", ",," + ",,,,,,".join(f"{n}:{n}" for n in "123") + ",,,,,",
+    lines(path, "Objects", "25", ",," + ",,,,,,".join(f"{n}:{n}" for n in names()) + ",,,,,",
           "Frame,Sub Frame," + ",".join(["RX,RY,RZ,TX,TY,TZ"] * COUNT),
           ",," + ",".join(["rad,rad,rad,mm,mm,mm"] * COUNT), *rows)  # fmt: skip
 
@@ -457,9 +466,9 @@ def write_trc(path: Path) -> None:
         "PathFileType\t4\t(X/Y/Z)\twalk.trc",
         "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\t"
         "OrigNumFrames",
-        f"25.00\t25.00\t{FRAMES}\t3\tmm\t25.00\t1\t{FRAMES}",
-        "Frame#\tTime\t1\t\t\t2\t\t\t3\t\t",
-        "\t\tX1\tY1\tZ1\tX2\tY2\tZ2\tX3\tY3\tZ3",
+        f"25.00\t25.00\t{FRAMES}\t{COUNT}\tmm\t25.00\t1\t{FRAMES}",
+        "Frame#\tTime\t" + "\t\t\t".join(names()) + "\t\t",
+        "\t\t" + "\t".join(f"X{n}\tY{n}\tZ{n}" for n in names()),
         *rows,
     )
 
@@ -470,15 +479,15 @@ def write_qtm(path: Path) -> None:
         path,
         f"NO_OF_FRAMES\t{FRAMES}",
         "NO_OF_CAMERAS\t8",
-        "NO_OF_MARKERS\t3",
+        f"NO_OF_MARKERS\t{COUNT}",
         "FREQUENCY\t25",
         "NO_OF_ANALOG\t0",
         "ANALOG_FREQUENCY\t0",
         "DESCRIPTION\t--",
         "TIME_STAMP\t2024-04-15, 10:39:38.777\t406646.66",
         "DATA_INCLUDED\t3D",
-        "MARKER_NAMES\t1\t2\t3",
-        "TRAJECTORY_TYPES\tMeasured\tMeasured\tMeasured",
+        "\t".join(["MARKER_NAMES", *names()]),
+        "\t".join(["TRAJECTORY_TYPES", *["Measured"] * COUNT]),
         *rows,
     )
 
