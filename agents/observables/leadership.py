@@ -26,6 +26,7 @@ NULL_SHARE = 0.99
 that keep one heading are left that one of five such flocks has a leader."""
 SURE = 0.05
 """How likely one lead at least of those called resolved would be chance."""
+SHUFFLES = 999
 
 
 class PairDelays(NamedTuple):
@@ -197,8 +198,9 @@ def leadership(heading: np.ndarray, longest: int, seed: int = 0) -> Leadership:
 
     A pair counts if the correlation at its delay is above LEAST_PEAK, and above what tracks shifted
     in time against each other reach: individuals that all keep one heading agree however they are
-    shifted, and no delay can be seen. A lead is resolved if it differs from 0 by more than its
-    error over parts of the time, which is from pairs that count in all of it.
+    shifted, and no delay can be seen. A lead is resolved if its mean over parts of the time is
+    larger than any is, at 5 %, where who is who is shuffled anew in each part; and, since some
+    leads are noisier than others, also differs from 0 by more than its own error tells.
 
     Parameters
     ----------
@@ -211,7 +213,7 @@ def leadership(heading: np.ndarray, longest: int, seed: int = 0) -> Leadership:
 
     rows, seen = _rows(heading, longest)
     n, frames = len(rows), len(heading)
-    blocks = max(1, min(BLOCKS, frames // (4 * longest + 2)))
+    blocks = max(1, min(BLOCKS, frames // (3 * longest)))
     i, j = np.triu_indices(n, 1)
     rng = np.random.default_rng(seed)
     null = math.nan
@@ -226,15 +228,29 @@ def leadership(heading: np.ndarray, longest: int, seed: int = 0) -> Leadership:
     counts = (peak >= LEAST_PEAK) & (peak > null) & np.isfinite(delay)  # False where null is NaN
     delays[~counts] = np.nan
     leads = np.stack([_means(_pair_matrix(n, i, j, d, d).delay) for d in delays.T])
-    many = np.isfinite(leads[1:]).sum(axis=0)
+    mean, many = _block_means(leads[1:])
+    error = np.full(n, np.nan)
     enough = (many >= FEWEST_BLOCKS) & np.isfinite(leads[0])
-    centre = np.nansum(leads[1:], axis=0) / np.maximum(many, 1)
-    square = np.nansum((leads[1:] - centre) ** 2, axis=0) / np.maximum(many - 1, 1)
-    error = np.where(enough, np.sqrt(square / np.maximum(many, 1)), np.nan)
-    bound = stdtrit(np.maximum(many - 1, 1), 1.0 - SURE / (2.0 * n))
-    resolved = enough & (np.abs(leads[0]) > bound * error)
+    resolved = np.zeros(n, bool)
+    if enough.any():
+        square = np.nansum((leads[1:] - mean) ** 2, axis=0) / np.maximum(many - 1, 1)
+        error[enough] = np.sqrt(square / np.maximum(many, 1))[enough]
+        largest = [
+            np.nanmax(np.abs(_block_means(rng.permuted(leads[1:, enough], axis=1))[0]), initial=0.0)
+            for _ in range(SHUFFLES)
+        ]
+        bound = stdtrit(np.maximum(many - 1, 1), 1.0 - SURE / 2.0)
+        resolved = enough & (np.abs(mean) > np.quantile(largest, 1.0 - SURE))
+        resolved &= np.abs(mean) > bound * error
     whole = _pair_matrix(n, i, j, delays[:, 0], peak)
     return Leadership(leads[0], error, resolved, whole.delay, whole.peak, null, blocks)
+
+
+def _block_means(leads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The mean over parts of the time (B, N) of each individual, and of how many it is."""
+    many = np.isfinite(leads).sum(axis=0)
+    sums = np.nansum(leads, axis=0)
+    return np.where(many >= FEWEST_BLOCKS, sums / np.maximum(many, 1), np.nan), many
 
 
 def _means(delay: np.ndarray) -> np.ndarray:

@@ -193,10 +193,14 @@ def write_report(
     if write_series(report, folder / SERIES):
         files.append(SERIES)
     write_bytes("PDF", folder / BOOK, book)
-    numbers = json.dumps(json_value(report.value()), indent=2, ensure_ascii=False)
-    write_text("numbers", folder / NUMBERS, numbers + "\n")
+    write_text("numbers", folder / NUMBERS, numbers_text(report) + "\n")
     write_text("page", folder / PAGE, page_of(report, charts))
     return [folder / name for name in (PAGE, BOOK, NUMBERS, *files)]
+
+
+def numbers_text(report: TrackReport) -> str:
+    """All numbers as JSON."""
+    return json.dumps(json_value(report.value()), indent=2, ensure_ascii=False)
 
 
 def plain_cells(column: np.ndarray) -> list[Any]:
@@ -239,7 +243,9 @@ def write_series(report: TrackReport, path: Path) -> bool:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    notes = {b"flockscope_measures": json.dumps(json_value(report.value()), ensure_ascii=False).encode()}
+    notes = {
+        b"flockscope_measures": json.dumps(json_value(report.value()), ensure_ascii=False).encode()
+    }
     with writing("table", path) as file:
         pq.write_table(pa.table(columns).replace_schema_metadata(notes), file)
     return True

@@ -155,6 +155,23 @@ def test_a_flock_that_follows_a_turning_leader_is_resolved():
     assert found.resolved[0]
 
 
+def test_an_informed_agent_of_a_flock_leads_it():
+    flock = Flock("vem-a", agents=30, size=5.0, rng=1, eta=0.6, informed=1)
+    (row,) = np.flatnonzero(flock.informed)
+    way = units(np.random.default_rng(1).normal(0.0, 0.05, 1500).cumsum())
+    headings = []
+    for towards in way:
+        flock.heading[row] = towards
+        flock.run(1)
+        headings.append(flock.heading.copy())
+        headings[-1][row] = towards
+    found = leadership(np.array(headings), 60)
+    assert np.nanargmax(found.lead) == row
+    assert found.resolved[row]
+    assert 30.0 < found.lead[row] < 60.0
+    assert np.nanmedian(np.abs(np.delete(found.lead, row))) < 10.0
+
+
 FLOCKS = 20
 CHANCE = 3
 """Of FLOCKS with a chance of 5 % each at most, more than these are in one of sixty sets."""
@@ -184,7 +201,7 @@ def test_who_keep_one_heading_lead_nobody():
 
 def test_too_short_a_time_resolves_nothing():
     found = leadership(copies([0, 3], 60), 10)
-    assert found.blocks == 1
+    assert found.blocks == 2
     assert not found.resolved.any()
     assert np.isnan(found.error).all()
 
