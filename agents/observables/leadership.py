@@ -26,6 +26,8 @@ NULL_SHARE = 0.99
 that keep one heading are left that one of five such flocks has a leader."""
 SURE = 0.05
 """How likely one lead at least of those called resolved would be chance."""
+SURE_ALONE = 0.01
+"""The same where the error of a lead tells alone: of 36 leaderless flocks one has such a lead."""
 SHUFFLES = 999
 
 
@@ -199,8 +201,8 @@ def leadership(heading: np.ndarray, longest: int, seed: int = 0) -> Leadership:
     A pair counts if the correlation at its delay is above LEAST_PEAK, and above what tracks shifted
     in time against each other reach: individuals that all keep one heading agree however they are
     shifted, and no delay can be seen. A lead is resolved if its mean over parts of the time is
-    larger than any is, at 5 %, where who is who is shuffled anew in each part; and, since some
-    leads are noisier than others, also differs from 0 by more than its own error tells.
+    larger than any is, at 5 %, where who is who is shuffled anew in each part, and larger than its
+    own error tells; or if that error alone tells it at 1 %, with all individuals tried.
 
     Parameters
     ----------
@@ -239,9 +241,11 @@ def leadership(heading: np.ndarray, longest: int, seed: int = 0) -> Leadership:
             np.nanmax(np.abs(_block_means(rng.permuted(leads[1:, enough], axis=1))[0]), initial=0.0)
             for _ in range(SHUFFLES)
         ]
-        bound = stdtrit(np.maximum(many - 1, 1), 1.0 - SURE / 2.0)
-        resolved = enough & (np.abs(mean) > np.quantile(largest, 1.0 - SURE))
-        resolved &= np.abs(mean) > bound * error
+        size, free = np.abs(mean), np.maximum(many - 1, 1)
+        resolved = (size > np.quantile(largest, 1.0 - SURE)) & (
+            size > stdtrit(free, 1.0 - SURE / 2.0) * error
+        )
+        resolved = enough & (resolved | (size > stdtrit(free, 1.0 - SURE_ALONE / (2 * n)) * error))
     whole = _pair_matrix(n, i, j, delays[:, 0], peak)
     return Leadership(leads[0], error, resolved, whole.delay, whole.peak, null, blocks)
 
