@@ -1,4 +1,7 @@
-"""Find the measures: each file of this folder that declares MEASURES brings some."""
+"""Find the measures: each file of this folder that declares MEASURES brings some.
+
+Packages of others bring theirs by entry points of the group GROUP, each a `TrackMeasure`.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,9 @@ from pkgutil import iter_modules
 import app.tracks.measures as package
 from app.tracks.measures.track_measure import TrackMeasure
 from worlds.input_error import unknown
+from worlds.plug_ins import plug_ins
+
+GROUP = "flockscope.track_measures"
 
 
 @cache
@@ -21,7 +27,14 @@ def track_measures() -> dict[str, TrackMeasure]:
             if measure.name in found:
                 raise TypeError(f"there are two measures called {measure.name!r}")
             found[measure.name] = measure
-    return found
+    return found | plug_ins(GROUP, checked_measure, found)
+
+
+def checked_measure(name: str, loaded: object) -> tuple[str, TrackMeasure]:
+    """A measure of another package under its own name. Raises TypeError for anything else."""
+    if not isinstance(loaded, TrackMeasure):
+        raise TypeError(f"{name} is no TrackMeasure")
+    return loaded.name, loaded
 
 
 def choose_measures(names: list[str] | None, origin: str = "--only") -> list[TrackMeasure]:
