@@ -20,7 +20,7 @@ from __future__ import annotations
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
-from app.tracks.measure_report import TrackReport, describe_report, measure_tracks, write_report
+from app.tracks.measure_report import MeasureReport, describe_report, measure_tracks, write_report
 from app.tracks.measures.track_measure import (
     MeasureChart,
     MeasureInput,
@@ -47,7 +47,7 @@ __all__ = [
     "SmoothedMotion",
     "TrackMeasure",
     "TrackReader",
-    "TrackReport",
+    "MeasureReport",
     "Tracks",
     "describe_report",
     "frame_series",

@@ -48,7 +48,7 @@ class SkippedMeasure(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class TrackReport:
+class MeasureReport:
     """What was measured of tracks."""
 
     tracks: Tracks
@@ -106,7 +106,7 @@ def measure_tracks(
     least_speed: float = 0.0,
     use_file_headings: bool = False,
     tell: Callable[[float, float, str], None] = lambda *_: None,
-) -> TrackReport:
+) -> MeasureReport:
     """Measure tracks.
 
     Parameters
@@ -150,7 +150,7 @@ def measure_tracks(
         results[measure.name] = measure.compute(given, progress)
         done += cost
     by_name = {measure.name: measure for measure in measures}
-    return TrackReport(tracks, motion, options, results, by_name, tuple(skipped))
+    return MeasureReport(tracks, motion, options, results, by_name, tuple(skipped))
 
 
 def table_files(name: str, result: MeasureResult) -> dict[str, Mapping[str, np.ndarray]]:
@@ -168,8 +168,8 @@ def demand_report_folder(folder: Path, names: Sequence[str], overwrite: bool) ->
 
 
 def write_report(
-    report: TrackReport,
-    folder: Path,
+    report: MeasureReport,
+    folder: str | Path,
     overwrite: bool = False,
     tell: Callable[[float, float, str], None] = lambda *_: None,
 ) -> list[Path]:
@@ -178,6 +178,7 @@ def write_report(
     `series.parquet` has all that is measured by frame, if pyarrow is installed. `tell` as
     `measure_tracks` has it. Raises InputError.
     """
+    folder = Path(folder)
     tables = {
         file: columns
         for name, result in report.results.items()
@@ -198,7 +199,7 @@ def write_report(
     return [folder / name for name in (PAGE, BOOK, NUMBERS, *files)]
 
 
-def numbers_text(report: TrackReport) -> str:
+def numbers_text(report: MeasureReport) -> str:
     """All numbers as JSON."""
     return json.dumps(json_value(report.value()), indent=2, ensure_ascii=False)
 
@@ -221,7 +222,7 @@ def json_value(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def series_columns(report: TrackReport) -> dict[str, np.ndarray]:
+def series_columns(report: MeasureReport) -> dict[str, np.ndarray]:
     """All that is measured by frame: frame, time, and of each measure its values and numbers."""
     columns = {"frame": report.tracks.frame, "time": report.tracks.time}
     for name, result in report.results.items():
@@ -233,7 +234,7 @@ def series_columns(report: TrackReport) -> dict[str, np.ndarray]:
     return columns
 
 
-def write_series(report: TrackReport, path: Path) -> bool:
+def write_series(report: MeasureReport, path: Path) -> bool:
     """Write what is measured by frame as Parquet; False if there is nothing, or no pyarrow."""
     from importlib.util import find_spec
 
@@ -278,7 +279,7 @@ def draw_chart(figure: Any, chart: MeasureChart) -> None:
 
 
 def draw_charts(
-    report: TrackReport, tell: Callable[[float, float, str], None] = lambda *_: None
+    report: MeasureReport, tell: Callable[[float, float, str], None] = lambda *_: None
 ) -> tuple[dict[str, list[str]], bytes]:
     """All charts, drawn once: by measure as elements of SVG that need nothing else, and the PDF.
 
@@ -335,7 +336,7 @@ def format_number(value: float) -> str:
     return f"{value:.4g}"
 
 
-def describe_tracks(report: TrackReport) -> list[str]:
+def describe_tracks(report: MeasureReport) -> list[str]:
     """What was measured, in sentences: the data, the window, what is not in it."""
     tracks = report.tracks
     seconds = float(tracks.time[-1] - tracks.time[0])
@@ -351,7 +352,7 @@ def describe_tracks(report: TrackReport) -> list[str]:
     return [*lines, *(f"{one}." for one in tracks.dropped), *tracks.notes]
 
 
-def page_of(report: TrackReport, charts: Mapping[str, Sequence[str]]) -> str:
+def page_of(report: MeasureReport, charts: Mapping[str, Sequence[str]]) -> str:
     """The report as one page of HTML that needs no other file; `charts` are of `draw_charts`."""
     title = f"Measures of {report.tracks.name}"
     parts = [
@@ -412,7 +413,7 @@ def upper_first(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def describe_report(report: TrackReport) -> list[str]:
+def describe_report(report: MeasureReport) -> list[str]:
     """The report in lines for a terminal."""
     lines = [*describe_tracks(report)]
     for name, result in report.results.items():

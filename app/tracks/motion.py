@@ -141,7 +141,8 @@ def window_frames(seconds: float, step: float) -> int:
     >>> window_frames(0.3, 0.04), window_frames(0.0, 0.04), window_frames(0.08, 0.04)
     (9, 3, 3)
     """
-    return 2 * max(1, math.floor(seconds / (2.0 * step) + 0.5)) + 1
+    half = seconds / (2.0 * step)
+    return 2 * max(1, math.floor(half + 0.5 + 1e-9)) + 1  # of two that are as near the longer
 
 
 def smoothed_motion(
