@@ -34,7 +34,7 @@ MODELS = collect()
 PAGES = {f"{name}.md" for name in MODELS} | {"README.md"}
 pages = functools.cache(MAKE["pages"])
 paper_pages = functools.cache(make_papers.pages)
-GROUPS = ("world", "flight", "formation", "live", "sweep", "new")
+GROUPS = ("world", "flight", "formation", "live", "sweep", "new", "tracks")
 """Commands that have commands of their own."""
 WRITTEN = [
     "README.md",

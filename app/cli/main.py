@@ -40,7 +40,7 @@ COMMANDS = {
     ),
     "optimise": Entry(".optimise", "optimise", "Search for the best values of parameters."),
     "tracks": Entry(
-        ".tracks.commands", "tracks", "Read tracks of real animals, people and robots."
+        ".tracks.commands", "tracks", "Read and measure tracks of animals, people and robots."
     ),
     "live": Entry(".live.commands", "live", "Drive real cars: check, run, replay, emulate."),
     "flight": Entry(".flight", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."),

@@ -39,7 +39,7 @@ from pages.running import parse, run, visit
 from worlds.layout import world_from_layout
 from worlds.readers import read_geometry
 
-GROUPS = ("world", "flight", "formation", "live", "sweep", "new")
+GROUPS = ("world", "flight", "formation", "live", "sweep", "new", "tracks")
 """Commands that have commands of their own."""
 CHECKOUT = ("README.md", "docs/installing.md")
 """Pages that say how flockscope is called in a checkout."""

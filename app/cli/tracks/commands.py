@@ -10,6 +10,7 @@ import typer
 from app.cli.terminal.console import visible
 from app.cli.terminal.outcome_table import as_json, print_written_files
 from app.cli.terminal.usage import Overwrite, PrintJson, Quiet, command_group, with_option_groups
+from app.cli.tracks.measure import measure
 from app.cli.tracks.reading_choice import Files, ReadingChoice
 from worlds.number_text import counted
 
@@ -173,11 +174,12 @@ def formats(json_asked: PrintJson = False) -> None:
 
 
 tracks = command_group(
-    "Tracks of real animals, people and robots: read them, look at them, convert them.",
+    "Tracks of real animals, people and robots: read them, look at them, measure them.",
     {
         "info": info,
         "check": check,
         "convert": convert,
+        "measure": measure,
         "formats": formats,
     },
 )
