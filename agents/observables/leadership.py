@@ -21,8 +21,9 @@ CHUNK = 1024
 """Frames of a pair that are gone through at once."""
 NULL_PAIRS = 400
 """Pairs shifted in time that the null is made of."""
-NULL_SHARE = 0.95
-"""Of the null's peaks, below what a peak must be above."""
+NULL_SHARE = 0.99
+"""Of the null's peaks, those that a pair's peak must be above: with 0.95 so many pairs of tracks
+that keep one heading are left that one of five such flocks has a leader."""
 SURE = 0.05
 """How likely one lead at least of those called resolved would be chance."""
 

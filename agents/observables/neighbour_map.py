@@ -62,10 +62,11 @@ def add_neighbours(x, y, ux, uy, turn, side, reach, pairs, counted, sums):
     for t in range(frames):
         for i in range(n):
             xi, yi, ci, si, turning = x[t, i], y[t, i], ux[t, i], uy[t, i], turn[t, i]
-            if not math.isfinite(xi + yi + ci + si):
+            total = xi + yi + ci + si
+            if total != total:  # NaN, which fast mathematics lets `isfinite` overlook
                 continue
             individuals += 1
-            has_turn = math.isfinite(turning)
+            has_turn = turning == turning
             for j in range(n):
                 dx, dy = x[t, j] - xi, y[t, j] - yi
                 dx -= side[0] * math.floor(dx * turns_x + 0.5)
@@ -130,9 +131,14 @@ def neighbour_map(
         raise InputError("heading has rows that are no unit vectors; nan for no direction")
     pairs, counted = np.zeros((bins, bins), np.int64), np.zeros((bins, bins), np.int64)
     sums = np.zeros((bins, bins))
-    columns = [np.ascontiguousarray(a[..., k]) for a in (position, heading) for k in (0, 1)]
+    columns = [
+        np.where(np.isfinite(a).all(axis=2), a[..., k], np.nan)
+        for a in (position, heading)
+        for k in (0, 1)
+    ]
+    turns = np.where(np.isfinite(turns), turns, np.nan)
     individuals = add_neighbours(
-        *columns, np.ascontiguousarray(turns), np.where(images, size, 0.0), reach, pairs, counted,
+        *columns, turns, np.where(images, size, 0.0), reach, pairs, counted,
         sums,
     )  # fmt: skip
     edges = np.linspace(-reach, reach, bins + 1)
