@@ -17,8 +17,8 @@ from agents.observables.anisotropy import (
 )
 from agents.observables.leadership import leadership, pair_delays
 from agents.observables.neighbour_map import neighbour_map
-from worlds.world import World
 from worlds.input_error import InputError
+from worlds.world import World
 
 OPEN = np.ones(2), np.zeros(2, bool)
 OPEN_SPACE = np.ones(3), np.zeros(3, bool)
@@ -48,7 +48,7 @@ def test_thirty_per_cent_of_gaps_take_as_much_of_the_density():
     position[rng.random((400, 80)) < 0.3] = np.nan
     heading = units(rng.uniform(0.0, math.tau, (400, 80)))
     found = neighbour_map(position, heading, np.full(2, 10.0), np.ones(2, bool), 3.0, 12)
-    assert found.density.mean() == pytest.approx(0.7 * 79 / 100.0, rel=0.005)
+    assert found.density.mean() == pytest.approx(0.7 * 79 / 100.0, rel=0.015)
 
 
 TWO = {  # place of the second, seen from the first, which heads east; its turn to the left, deg

@@ -227,7 +227,9 @@ def diagram(given: MeasureInput, progress: Progress) -> MeasureResult:
     there = np.isfinite(speed) & np.isfinite(density_)
     progress(1.0)
     rho, v = density_[there], speed[there]
-    slope = float(np.polyfit(rho, v, 1)[0]) if len(rho) > 2 and np.ptp(rho) > 0.0 else math.nan
+    apart = rho - rho.mean() if len(rho) else rho
+    is_spread = len(rho) > 2 and float(apart @ apart) > 1e-12 * float(rho @ rho)
+    slope = float(apart @ v) / float(apart @ apart) if is_spread else math.nan
     chart = MeasureChart("density (1/m²)", "speed (m/s)", lambda axes: draw_points(axes, rho, v))
     return MeasureResult(
         {"frames": int(there.sum()), "mean density (1/m²)": float(rho.mean()) if len(rho) else
@@ -291,7 +293,9 @@ def headway(given: MeasureInput, progress: Progress) -> MeasureResult:
     _, crossing = pedpy.compute_n_t(traj_data=tables.data, measurement_line=tables.line)
     progress(1.0)
     apart = np.diff(np.sort(crossing.frame.to_numpy())) / tables.data.frame_rate
-    table, chart = distribution_chart(apart, "time headway (s)", bins=30)
+    step = 1.0 / tables.data.frame_rate
+    bins = max(1, min(60, round(float(np.max(apart, initial=step)) / step)))
+    table, chart = distribution_chart(apart, "time headway (s)", bins)
     return MeasureResult(
         describe_values(apart), {"": {"headway": apart}, "distribution": table}, (chart,),
         (f"headways are whole frames of {given.tracks.step:.3g} s", *tables.notes),

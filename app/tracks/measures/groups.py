@@ -17,6 +17,7 @@ from app.tracks.measures.track_measure import (
     Progress,
     TrackMeasure,
     frame_series,
+    needs_neighbours,
 )
 from worlds.input_error import InputError
 
@@ -88,10 +89,12 @@ def mean_neighbours(given: MeasureInput, progress: Progress) -> MeasureResult:
 MEASURES = (
     TrackMeasure(
         "group-sizes", "Connected groups: the largest, and how large they are", "", sizes,
-        cost=lambda frames, n: 3e-4 * frames + 1e-6 * frames * n, by_frame="individuals",
+        cost=lambda frames, n: 3e-4 * frames + 1e-6 * frames * n,
+        lacks=needs_neighbours, by_frame="individuals",
     ),
     TrackMeasure(
         "mean-neighbours", "Mean number of others within reach", "", mean_neighbours,
-        cost=lambda frames, n: 2e-4 * frames + 3e-6 * frames * n, by_frame="individuals",
+        cost=lambda frames, n: 2e-4 * frames + 3e-6 * frames * n,
+        lacks=needs_neighbours, by_frame="individuals",
     ),
 )  # fmt: skip

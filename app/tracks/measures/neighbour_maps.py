@@ -16,7 +16,7 @@ from app.tracks.measures.track_measure import (
     MeasureResult,
     Progress,
     TrackMeasure,
-    needs_plane,
+    needs_neighbours_in_plane,
 )
 from worlds.input_error import InputError
 
@@ -131,10 +131,10 @@ def map_cost(frames: int, n: int) -> float:
 MEASURES = (
     TrackMeasure(
         "neighbour-map", "Where neighbours are about an individual", "Katz et al. 2011", density,
-        map_cost, needs_plane,
+        map_cost, needs_neighbours_in_plane,
     ),
     TrackMeasure(
         "turning-map", "How an individual turns by where a neighbour is", "Katz et al. 2011",
-        turning, map_cost, needs_plane,
+        turning, map_cost, needs_neighbours_in_plane,
     ),
 )  # fmt: skip

@@ -14,28 +14,33 @@ from app.tracks.measures.track_measure import (
     describe_values,
     distribution_chart,
     frame_series,
+    needs_neighbours,
 )
 
 
-def nearest_neighbour(given: MeasureInput, progress: Progress) -> MeasureResult:
-    """The least distance to another one in each frame, over those seen: mean and distribution."""
+def spacing(given: MeasureInput, progress: Progress) -> MeasureResult:
+    """The distance to the nearest other one seen: its median and least by frame, and all of it."""
     every: list[np.ndarray] = []
+    least = np.full(len(given.tracks.frame), np.nan)
 
-    def mean_distance(place: np.ndarray) -> float:
+    def median_distance(place: np.ndarray) -> float:
         near = neighbours.nearest_neighbour(place, given.size, given.images)
         every.append(near)
-        return float(near.mean())
+        return float(np.median(near))
 
     position = np.where(given.tracks.seen[..., None], given.tracks.position, np.nan)
-    values, count = given.by_frame(mean_distance, position, progress=progress)
-    result = frame_series(given, "nearest-neighbour", "{u}", values, count, COUNT)
-    near = np.concatenate(every) if every else np.empty(0)
+    values, count = given.by_frame(median_distance, position, progress=progress)
+    result = frame_series(given, "spacing", "{u}", values, count, COUNT)
+    least[np.isfinite(values)] = [near.min() for near in every if np.isfinite(np.median(near))]
+    near = np.concatenate([np.empty(0), *every])
+    near = near[np.isfinite(near)]
     table, chart = distribution_chart(near, f"distance to the nearest neighbour ({given.unit})")
     numbers = {f"of all individuals, {k}": v for k, v in describe_values(near).items()}
     if len(near):
-        numbers["of all individuals, least"] = float(near.min())
+        numbers["least of all"] = float(near.min())
     return MeasureResult(
-        {**result.numbers, **numbers}, {**result.tables, "distribution": table},
+        {**result.numbers, **numbers},
+        {"": {**result.tables[""], "least_spacing": least}, "distribution": table},
         (*result.charts, chart), result.notes,
     )  # fmt: skip
 
@@ -53,9 +58,10 @@ def gyration_radius(given: MeasureInput, progress: Progress) -> MeasureResult:
 
 MEASURES = (
     TrackMeasure(
-        "nearest-neighbour", "Distance to the nearest neighbour, mean and distribution",
-        "Clark and Evans 1954", nearest_neighbour,
-        cost=lambda frames, n: 1e-4 * frames + 2e-6 * frames * n, by_frame="{u}",
+        "spacing", "Distance to the nearest neighbour, median and distribution",
+        "Clark and Evans 1954", spacing,
+        cost=lambda frames, n: 1e-4 * frames + 2e-6 * frames * n,
+        lacks=needs_neighbours, by_frame="{u}",
     ),
     TrackMeasure(
         "gyration-radius", "Root mean square distance from the centre", "", gyration_radius,

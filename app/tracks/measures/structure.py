@@ -74,7 +74,7 @@ def structure(given: MeasureInput, progress: Progress) -> MeasureResult:
          "neighbours until the same all round": n_c, f"their distance ({given.unit})": at,
          "frames": int(many.max(initial=0))},
         {"": {"k": rank, "gamma": mean_gamma, "error": error, "distance": apart, "frames": many}},
-        (chart,), tuple(notes),
+        (chart,) if enough.any() else (), tuple(notes),
     )  # fmt: skip
 
 

@@ -150,6 +150,16 @@ def needs_plane(given: MeasureInput) -> str:
     return "" if given.tracks.dim == 2 else "tracks in the plane are needed, these are in space"
 
 
+def needs_neighbours(given: MeasureInput) -> str:
+    """What is missing where lengths are chosen by the distance to the nearest neighbour."""
+    return "" if given.spacing > 0.0 else "two individuals in one frame are needed, apart"
+
+
+def needs_neighbours_in_plane(given: MeasureInput) -> str:
+    """The same of tracks in the plane alone."""
+    return needs_plane(given) or needs_neighbours(given)
+
+
 def describe_values(values: np.ndarray) -> dict[str, float]:
     """Mean, spread and quantiles of those values that are numbers; nothing of none."""
     values = values[np.isfinite(values)]
