@@ -14,6 +14,12 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 # isort: split
 import sys
 
+from agents.observables.anisotropy import (
+    Anisotropy,
+    isotropic_gamma,
+    neighbour_anisotropy,
+    range_of_structure,
+)
 from agents.observables.array_checks import OmittedRowsWarning
 from agents.observables.consistency import consistency, convergence_time
 from agents.observables.correlation import Correlation, correlation, correlation_length
@@ -44,6 +50,8 @@ from agents.observables.groups import (
     size_histogram,
 )
 from agents.observables.lanes import lane_order
+from agents.observables.leadership import Leadership, PairDelays, leadership, pair_delays
+from agents.observables.neighbour_map import NeighbourMap, neighbour_map
 from agents.observables.neighbours import (
     groups_within,
     layer_histogram,
@@ -67,10 +75,14 @@ from agents.observables.order import (
 from flockscope._old_names import old_names as _old_names
 
 __all__ = [
+    "Anisotropy",
     "Correlation",
+    "Leadership",
+    "NeighbourMap",
     "Observable",
     "OfAgents",
     "OmittedRowsWarning",
+    "PairDelays",
     "Range",
     "Spacing",
     "Table",
@@ -92,17 +104,23 @@ __all__ = [
     "groups_within",
     "gyration_radius",
     "hamiltonian",
+    "isotropic_gamma",
     "keep_following",
     "lane_order",
     "layer_histogram",
     "layers",
+    "leadership",
     "least_clearances",
     "links",
     "mean_neighbours",
     "nearest_neighbour",
     "nearest_pairs",
+    "neighbour_anisotropy",
+    "neighbour_map",
+    "pair_delays",
     "polarisation",
     "polarisations",
+    "range_of_structure",
     "saved_shares",
     "separation",
     "settling_tick",

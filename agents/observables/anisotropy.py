@@ -70,15 +70,16 @@ def neighbour_anisotropy(
     ranks = min(count, n - 1)
     known = tree(position, size, images)
     distance, row = known.query(known.data, ranks + 1)
-    for k in range(1, ranks + 1):
-        focal = np.flatnonzero((distance[:, k] < inside) & (distance[:, k] > 0.0))
-        individuals[k - 1] = len(focal)
-        if len(focal):
-            apart = separation(known.data[focal], known.data[row[focal, k]], size, images)
-            unit = apart / distance[focal, k][:, None]
-            vectors_ = np.linalg.eigh(unit.T @ unit)[1]
-            gamma[k - 1] = min(1.0, float(vectors_[:, 0] @ towards) ** 2)
-            mean[k - 1] = distance[focal, k].mean()
+    distance, row = distance[:, 1:], row[:, 1:]
+    counts = (distance < inside[:, None]) & (distance > 0.0)
+    apart = separation(known.data[:, None], known.data[row], size, images)
+    unit = apart * np.where(counts, 1.0 / np.where(counts, distance, 1.0), 0.0)[..., None]
+    matrices = np.einsum("nka,nkb->kab", unit, unit)
+    least = np.linalg.eigh(matrices)[1][:, :, 0]
+    individuals[:ranks] = many = counts.sum(axis=0)
+    some = many > 0
+    gamma[:ranks][some] = np.minimum(1.0, (least[some] @ towards) ** 2)
+    mean[:ranks][some] = (distance * counts).sum(axis=0)[some] / many[some]
     return Anisotropy(gamma, mean, individuals)
 
 

@@ -30,7 +30,14 @@ def random_polarisation(n: float, dim: int) -> float:
 
 def polarisation(given: MeasureInput, progress: Progress) -> MeasureResult:
     """The length of the mean heading in each frame."""
-    values, count = given.by_frame(order.polarisation, given.motion.heading, progress=progress)
+    heading = given.motion.heading
+    there = np.isfinite(heading[..., 0])
+    count = there.sum(axis=1)
+    total = np.where(there[..., None], heading, 0.0).sum(axis=1)
+    enough = count >= max(given.options.least, 1)
+    length = np.sqrt((total**2).sum(axis=1)) / np.maximum(count, 1)
+    values = np.where(enough, np.minimum(length, 1.0), np.nan)
+    progress(1.0)
     seen = count[np.isfinite(values)]
     level = random_polarisation(float(np.median(seen)), given.tracks.dim) if len(seen) else math.nan
     result = frame_series(given, "polarisation", "1", values, count, SHARE, level)
