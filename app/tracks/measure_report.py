@@ -239,7 +239,7 @@ def write_series(report: TrackReport, path: Path) -> bool:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    notes = {b"flockscope": json.dumps(json_value(report.value()), ensure_ascii=False).encode()}
+    notes = {b"flockscope_measures": json.dumps(json_value(report.value()), ensure_ascii=False).encode()}
     with writing("table", path) as file:
         pq.write_table(pa.table(columns).replace_schema_metadata(notes), file)
     return True
