@@ -157,7 +157,8 @@ def test_files_that_are_none_are_refused_in_one_line(tmp_path):
         "none.csv": "none.csv cannot be read: No such file",
         "none.parquet": "none.parquet' cannot be read: No such file",
         "none.c3d": "none.c3d cannot be read: there is no such file",
-        "trial.txt": "unknown kind of recording '.txt'",
+        "trial.doc": "unknown kind of recording '.doc'",
+        "none.trc": "none.trc cannot be read: there is no such file",
     }
     for name, content in wrong.items():
         (tmp_path / name).write_bytes(content)

@@ -192,7 +192,9 @@ def _check_columns(path: Path, columns: list[str] | Any) -> None:
         raise InputError(f"{path} has the column {twice[0]} twice")
 
 
-SUFFIXES = (".c3d", ".csv", ".parquet", ".trc", ".tsv", ".txt")
+ROOMS = (".trc", ".tsv", ".txt")
+"""How files of tracking systems end that are no tables of poses."""
+SUFFIXES = (".c3d", ".csv", ".parquet", *ROOMS)
 
 
 @dataclass(frozen=True)
@@ -249,7 +251,8 @@ class RecordedSource:
         """
         if self.path.suffix.lower() == ".c3d":
             return read_trial(self.path, self.axes, self.bodies, self.unit)
-        if self.path.suffix.lower() != ".parquet" and kind_of_room(first_lines(self.path)):
+        suffix = self.path.suffix.lower()
+        if suffix in ROOMS or (suffix == ".csv" and kind_of_room(first_lines(self.path))):
             trial = read_room_table(self.path)
             unit = unit_of_trial(self.path, trial.unit, self.unit)
             return trial_frames(self.path, trial, replace(self.axes, unit=unit), self.bodies)

@@ -85,7 +85,7 @@ def first_lines(path: Path) -> list[str]:
     try:
         with path.open("rb") as file:
             data = file.read(BEGINNING)
-    except OSError:
+    except OSError:  # whoever reads it tells so
         return []
     if b"\x00" in data:
         return []
@@ -512,6 +512,8 @@ READERS: dict[str, Callable[[Path, Sequence[str]], RoomTrial]] = {
 
 def read_room_table(path: Path) -> RoomTrial:
     """The places of a recording of a room. Raises InputError for what is none, or is damaged."""
+    if not path.is_file():
+        raise InputError(f"{path} cannot be read: there is no such file")
     lines = first_lines(path)
     kind = kind_of_room(lines)
     if not kind:

@@ -35,7 +35,7 @@ def told_by(attributes: Mapping[str, Any], tracks: FileTracks) -> FileTracks:
     tracks.unit, tracks.origin = PIXELS, TOP_LEFT
     with suppress(TypeError, ValueError):
         tracks.rate = float(np.ravel(rate)[0]) if rate is not None else None
-    with suppress(TypeError, ValueError, IndexError):
+    with suppress(KeyError, TypeError, ValueError, IndexError):
         length = float(np.ravel(attributes["body_length"])[0])
         tracks.notes.append(f"a body is {length:.4g} px long, says the file")
     with suppress(KeyError, TypeError, ValueError, IndexError):
