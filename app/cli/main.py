@@ -39,6 +39,9 @@ COMMANDS = {
         ".sensitivity", "sensitivity", "Say which parameter matters, from a sweep."
     ),
     "optimise": Entry(".optimise", "optimise", "Search for the best values of parameters."),
+    "tracks": Entry(
+        ".tracks.commands", "tracks", "Read tracks of real animals, people and robots."
+    ),
     "live": Entry(".live.commands", "live", "Drive real cars: check, run, replay, emulate."),
     "flight": Entry(".flight", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."),
     "world": Entry(".world", "world", "List, draw, check, import and make worlds."),
