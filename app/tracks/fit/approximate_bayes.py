@@ -231,6 +231,10 @@ class AbcFit:
     """(D, S)."""
     observed: np.ndarray
     """(S,), those of the tracks."""
+    kept: np.ndarray
+    """(K, P), the draws that are kept, as if their runs were the tracks,"""
+    weights: np.ndarray
+    """and how much each counts, (K,)."""
     unlikeness: float
     """Share of draws that are nearer to the others than the tracks are."""
     notes: tuple[str, ...]
@@ -438,5 +442,6 @@ def abc_fit(
         )
     return AbcFit(
         scaled.name, tuple(posteriors), low + shares * (high - low), table, seen,
+        low + adjusted * (high - low), weight,
         float(np.mean(np.array(distances) < middle_distance)), scaled.notes,
     )  # fmt: skip

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from agents.catalogue import model as find_model
+from agents.models.declare import declared
 from app.tracks.fit.fit_region import ParameterRegion
 from app.tracks.fit.fitted_parameter import FittedParameter
 
@@ -63,6 +65,12 @@ class ModelFit:
         """The best values."""
         names = [parameter.name for parameter in self.parameters]
         return dict(zip(names, self.points[self.first.best].tolist(), strict=True))
+
+    @property
+    def model_noises(self) -> set[str]:
+        """The parameters of the model that are noise."""
+        parameters = find_model(self.model).parameters
+        return {declaration.name for declaration in declared(parameters) if declaration.noise}
 
     @property
     def skill(self) -> float:

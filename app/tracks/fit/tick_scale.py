@@ -62,13 +62,12 @@ def tick_scale(
         raise InputError(
             f"length = {length:g} {tracks.unit} is not allowed: a number > 0 is needed"
         )
-    for name, count in (("every", every), ("ticks", ticks)):
+    for name, count in (("frames of a tick", every), ("ticks of a frame", ticks)):
         if count < 1:
             raise InputError(f"{name} = {count} is not allowed: a whole number >= 1 is needed")
     if every > 1 and ticks > 1:
         raise InputError(
-            f"every = {every} and ticks = {ticks} exclude each other: a tick is some frames, or a "
-            "frame is some ticks"
+            f"{every} frames of a tick and {ticks} ticks of a frame exclude each other"
         )
     seconds = tracks.step * every / ticks
     return TickScale(every, ticks, seconds, 1.0 if length is None else length, tracks.unit)
@@ -137,15 +136,15 @@ def scaled_model(
             if time.name in fitted or time.name in settings:
                 raise InputError(
                     f"{time.name} of {name} is the time of a tick, which is that of the tracks, "
-                    f"{scale.seconds:.4g} s: say with --every how many frames a tick is"
+                    f"{scale.seconds:.4g} s: say with --tick-frames how many frames a tick is"
                 )
-            demand_within(time, scale.seconds, name, "a tick, see --every")
+            demand_within(time, scale.seconds, name, "a tick, see --tick-frames")
             fixed[time.name] = scale.seconds
             notes.append(f"{time.name} = {scale.seconds:.4g} s, the time of a tick")
         elif not math.isclose(body.lasts(default), scale.seconds, rel_tol=0.01):
             raise InputError(
                 f"a tick of {name} is {body.lasts(default):g} s, that of the tracks "
-                f"{scale.seconds:.4g} s: say with --every how many frames a tick is"
+                f"{scale.seconds:.4g} s: say with --tick-frames how many frames a tick is"
             )
     if body.speed is not None:
         pace = parameter_behind(model.parameters, body.speed)
