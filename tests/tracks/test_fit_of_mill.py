@@ -154,13 +154,13 @@ def test_several_models_compete_on_the_same_frames_held_back():
 
 
 def test_where_the_world_wraps_neighbours_are_seen_across_the_seam():
-    place, side = mill_places(), 60.0
+    place, side = mill_places(), 80.0
     place = place - place.mean(axis=(0, 1))  # the seam goes through the middle of the mill
     assert np.ptp(place, axis=(0, 1)).max() < side / 2
     (whole,) = fit(tracks_of(place, TAU), "couzin", "dr_o=2:4:3", shuffles=1, workers=1).fits
     split = tracks_of(place % side, TAU, period=(side, side))
     result = fit(split, "couzin", "dr_o=2:4:3", shuffles=1, workers=1)
-    assert "the world wraps, 60 x 60 m" in result.scale
+    assert "the world wraps, 80 x 80 m" in result.scale
     assert result.fits[0].first.costs == pytest.approx(whole.first.costs, rel=1e-6)
 
 

@@ -61,7 +61,7 @@ def test_tracks_that_tell_nothing_are_refused():
     assert refused(tracks.individuals([0])) == "mill has 1 individual: a fit needs 2 or more"
     assert refused(tracks.frames(0, 1)).startswith("mill has 1 frame")
     assert "a fit needs 10 in each half of the time" in refused(tracks.frames(0, 24))
-    assert "nobody is seen for 7 frames without a gap" in refused(tracks.frames(0, 5), window=0.6)
+    assert "nobody is seen for 11 frames without a gap" in refused(tracks.frames(0, 5))
     in_pixels = replace(tracks, unit="px")
     assert "mill is in pixels: give --scale, metres in a pixel, or --length" in refused(in_pixels)
     uneven = replace(tracks, time=np.cumsum(np.random.default_rng(1).uniform(0.05, 0.2, 120)))
@@ -69,8 +69,6 @@ def test_tracks_that_tell_nothing_are_refused():
 
 
 def test_dimensions_have_to_fit():
-    flat = mill(frames=60)
-    assert "mill is 2-D, but echelon is defined in 3-D" in refused(flat, "echelon", "d_r")
     place = np.random.default_rng(1).normal(size=(60, 5, 3)).cumsum(axis=0)
     assert "run is 3-D, but ivem is defined in 2-D" in refused(tracks_of(place), "ivem", "r")
 

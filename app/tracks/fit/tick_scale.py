@@ -151,7 +151,7 @@ def scaled_model(
         if pace is not None and pace.name not in fitted and pace.name not in settings:
             seconds = scale.seconds if body.unit == "ticks" else 1.0
             own = speed / scale.length * seconds
-            demand_within(pace, own, name, "the median speed of the tracks, see --length")
+            demand_within(pace, own, name, "the speed of the tracks, see --length")
             fixed[pace.name] = own
             notes.append(f"{pace.name} = {own:.4g} {pace.unit}, the median speed of the tracks")
     for declaration in declared(model.parameters):
