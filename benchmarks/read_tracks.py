@@ -22,9 +22,8 @@ import numpy as np
 
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
-from tests.tracks import written_formats  # noqa: E402
-
 from flockscope.tracks import read  # noqa: E402
+from tests.tracks import written_formats  # noqa: E402
 
 WANTED = 1.0
 """Seconds."""

@@ -20,6 +20,11 @@ from __future__ import annotations
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
+from app.tracks.fit.approximate_bayes import AbcResult
+from app.tracks.fit.fit_api import fit
+from app.tracks.fit.fit_request import FitRequest
+from app.tracks.fit.fit_result import FitResult, ModelFit
+from app.tracks.fit.vicsek_likelihood import LikelihoodResult
 from app.tracks.measure_report import MeasureReport, describe_report, measure_tracks, write_report
 from app.tracks.measures.track_measure import (
     MeasureChart,
@@ -36,20 +41,26 @@ from app.tracks.tracks import DroppedRows, Tracks
 from worlds.input_error import InputError
 
 __all__ = [
+    "AbcResult",
     "DroppedRows",
     "FileTracks",
+    "FitRequest",
+    "FitResult",
     "InputError",
+    "LikelihoodResult",
     "MeasureChart",
     "MeasureInput",
     "MeasureOptions",
     "MeasureReport",
     "MeasureResult",
+    "ModelFit",
     "ReadingOptions",
     "SmoothedMotion",
     "TrackMeasure",
     "TrackReader",
     "Tracks",
     "describe_report",
+    "fit",
     "frame_series",
     "measure_tracks",
     "read",

@@ -42,6 +42,7 @@ COMMANDS = {
     "tracks": Entry(
         ".tracks.commands", "tracks", "Read and measure tracks of animals, people and robots."
     ),
+    "fit": Entry(".fit", "fit", "Find parameters from tracks, and say what they tell."),
     "live": Entry(".live.commands", "live", "Drive real cars: check, run, replay, emulate."),
     "flight": Entry(".flight", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."),
     "world": Entry(".world", "world", "List, draw, check, import and make worlds."),
