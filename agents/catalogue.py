@@ -48,6 +48,7 @@ from agents.rules import (
     safe_zones,
     squashing,
     topological,
+    tracked,
     vasarhelyi,
     vicsek,
     vicsek1995,
@@ -208,8 +209,21 @@ BUILT_IN = [
 ]
 
 
+TRACKED = ("polarisation", "angular-momentum", "divergence", "seen", "nearest-neighbour")
+"""What tells of tracks: how ordered and how dense those seen are, and how many are seen."""
+PLAYED = {
+    rule.name: Model(rule, tracked.BODY, world="open", tells=TRACKED)
+    for rule in (tracked.METRES, tracked.PIXELS, tracked.LENGTHS)
+}
+"""Models of what is played and not run, by name: found by it, and offered nowhere."""
+
+
 class ModelCatalogue(dict[str, Model]):
-    """Models by name, which a notebook shows as a table."""
+    """Models by name, which a notebook shows as a table. Those that are `PLAYED` answer to their
+    names too, and are not among them."""
+
+    def __missing__(self, name: str) -> Model:
+        return PLAYED[name]
 
     def __repr__(self) -> str:
         return f"<{len(self)} models: {', '.join(self)}>"
@@ -289,6 +303,8 @@ def model(name: str) -> Model:
     for a rule that cannot drive cars. A name is never that of a file, which would be run: names
     come from browsers and from specs of others too.
     """
+    if name in PLAYED:
+        return PLAYED[name]
     rule = name.removesuffix(ON_WHEELS)
     if name not in MODELS and rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
         MODELS[name] = drive_on_wheels(MODELS[rule].rule)

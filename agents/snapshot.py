@@ -36,6 +36,14 @@ class FlockState:
     arrays: Arrays
     tick: int
     seed: int
+    seen: np.ndarray | None = None
+    """Of tracks that are played: which individuals are seen at this tick, (N,) bool. None: all."""
+    hollow: np.ndarray | None = None
+    """Of these: who is in a gap between two times that it is seen, (N,) bool; it has its last
+    place."""
+    paired: np.ndarray | None = None
+    """The places (N, dim) of the agents of another flock, with which these are compared one by one;
+    NaN for those that are not. None: there is no such flock."""
 
     @property
     def position(self) -> np.ndarray:

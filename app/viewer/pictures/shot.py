@@ -152,6 +152,8 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
         active=now.active if now.can_crash else None,
         crashes=now.crashes if now.can_crash else None,
         saved=now.signal(SAVED) if SAVED in now.model.columns else None,
+        seen=now.seen,
+        hollow=now.hollow,
         form=now.model.rule.form,
         cars=cars(anyone),
     )

@@ -98,6 +98,14 @@ class Picture:
             vars(part)["colour"] = self.colour[rows]  # which depends on the others
         return part
 
+    @cached_property
+    def is_there(self) -> np.ndarray:
+        """Who is drawn at all, as a body or hollow, (N,) bool."""
+        frame = self.frame
+        if frame.seen is None:
+            return np.ones(self.count, bool)
+        return frame.seen if frame.hollow is None else frame.seen | frame.hollow
+
     @property
     def count(self) -> int:
         """Number of agents."""

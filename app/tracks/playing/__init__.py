@@ -1,0 +1,1 @@
+"""Tracks as snapshots of a flock: what the laboratory, films and pictures play."""

@@ -1,0 +1,290 @@
+"""The run of tracks: individuals seen and not seen, and a model that started among them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.inspection import Inspection
+from agents.snapshot import Snapshot
+from app.tracks.playing.played_tracks import FEWEST, PlayedFlock, TracksSnapshot
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.time_series import refuse_too_dense
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
+from app.viewer.run.paired_run import naming_errors
+from app.viewer.run.playback import Playback, restore_snapshot
+from app.viewer.run.stored_tracks import ModelFlock, StoredTracks
+from app.viewer.scene.shown.frame import Frame
+from worlds.input_error import InputError
+
+WITHIN = "within"
+"""The one parameter of tracks that is not the file's: how far neighbours are."""
+OF_FEW = frozenset({"seen", "divergence"})
+"""What says something of few individuals too."""
+MEMORY = 64 * 2**20
+"""Bytes of a model's earlier ticks that are kept, to go back to."""
+KEPT = 20
+"""Ticks of the tracks between two that are kept, at first."""
+
+
+@dataclass
+class TracksReadings(FlockReadings):
+    """What is measured of tracks: nothing of order where too few are seen."""
+
+    @property
+    def too_few(self) -> bool:
+        """Whether fewer are seen now than order takes, of tracks that have as many."""
+        seen = self.flock.seen
+        return seen is not None and len(seen) >= FEWEST and int(seen.sum()) < FEWEST
+
+    def blank(self, values: dict[str, float]) -> dict[str, float]:
+        """The values without those that say nothing of so few."""
+        if not self.too_few:
+            return values
+        return {name: value for name, value in values.items() if name in OF_FEW}
+
+    def read_cheap(self) -> None:
+        """Read what is cheap."""
+        super().read_cheap()
+        self.values = self.blank(self.values)
+
+    def add_values(self, tick: int, values: dict[str, float]) -> None:
+        """Take values into their time series."""
+        super().add_values(tick, self.blank(values))
+
+
+@dataclass
+class TracksCamera(FrameBuilder):
+    """Takes frames of tracks."""
+
+    stored: StoredTracks | None = None
+
+    def build(self) -> Frame:
+        """A frame that says who is seen."""
+        frame = super().build()
+        assert self.stored is not None
+        names = self.stored.recording.tracks.ids
+        return replace(frame, seen=self.flock.seen, hollow=self.flock.hollow, names=names)
+
+    def inspect(self) -> None:
+        """Tell what is known of the wanted individual."""
+        row, self.inspected = self.wanted.row, None
+        if row is not None and 0 <= row < len(self.flock.ids):
+            self.inspected = self.inspection(row)
+
+    def inspect_others(self, at_once: bool = False) -> None:  # noqa: ARG002 - it takes no time
+        """The same of individuals that other pages inspect."""
+        rows = [row for row in self.wanted.others if 0 <= row < len(self.flock.ids)]
+        self.others = {row: self.inspection(row) for row in rows}
+
+    def inspection(self, row: int) -> Inspection:
+        """What is known of an individual."""
+        assert self.stored is not None
+        played, nobody = self.stored.recording, np.empty(0, int)
+        return Inspection(
+            int(self.flock.ids[row]), row, nobody, np.empty((0, self.flock.world.dim)),
+            np.empty(0), {}, model=self.flock.model, name=played.tracks.ids[row],
+            known=played.describe(row, self.flock.tick),
+        )  # fmt: skip
+
+
+class TracksRun(Playback):
+    """The run of tracks. Nothing in it can be changed but what counts as near."""
+
+    flock: PlayedFlock
+    stored: StoredTracks
+
+    def __init__(
+        self,
+        flock: Flock,
+        number: int,
+        request: FrameRequest,
+        watched: frozenset[str],
+        stored: StoredTracks,
+    ):
+        super().__init__(flock, number, request, watched, stored)
+        self.readings = TracksReadings(flock, watched)
+        self.readings.extremes.keeps = False
+        self.camera = TracksCamera(flock, number, request, stored=stored)
+        if stored.begins is not None:
+            self.show(min(max(stored.begins, self.first), self.last))
+
+    def show(self, tick: int) -> None:
+        """Put everybody where they were seen at a tick, or last before it."""
+        then = self.frames.last_tick_until(tick)
+        if then != self.flock.tick:
+            snapshot: TracksSnapshot = self.frames.at(then)
+            restore_snapshot(self.flock, snapshot)
+            self.flock.seen, self.flock.hollow = snapshot.seen, snapshot.hollow
+        self.clock = tick
+
+    def demand_change(self, name: str = "", beside: bool = False) -> None:
+        """Raise InputError for a change of anything but what counts as near."""
+        if name != WITHIN or beside:
+            raise InputError(
+                f"{self.stored.name} is a file of tracks, in which nothing can be changed: "
+                "'Start a model here', in the tab Tracks, begins a model from its places"
+            )
+
+    def spec(self) -> bytes:
+        """Raise InputError: there is none."""
+        raise InputError(f"{self.stored.name} is a file of tracks: there is no spec of a run")
+
+    def save(self) -> bytes:
+        """Raise InputError: it is on the disk already."""
+        raise InputError(
+            f"{self.stored.name} is a file of tracks: there is no state of a run; "
+            "`flockscope tracks convert` writes it in other formats"
+        )
+
+
+class ModelBesideTracks(TracksRun):
+    """Tracks, and the run of a model that started in one of their frames.
+
+    Time goes by the tracks. The model has as many ticks behind it as go into that time; to go back
+    it is taken to an earlier tick that was kept, and run from there, with its parameters as they
+    are now.
+    """
+
+    second: FlockRun
+
+    def __init__(
+        self,
+        flock: Flock,
+        second: ModelFlock,
+        number: int,
+        request: FrameRequest,
+        watched: frozenset[str],
+        stored: StoredTracks,
+    ):
+        assert stored.start is not None
+        refuse_too_dense(second)
+        self.begins = int(stored.recording.ticks[stored.recording.index_until(stored.start.tick)])
+        super().__init__(flock, number, request, watched, stored)
+        self.model = second
+        self.second = FlockRun(second, number, FrameRequest(), watched)
+        self.origin = second.tick
+        """The tick of the model at which it started."""
+        self.kept: list[Snapshot] = [second.snapshot()]
+        self.apart = KEPT
+        self.pair()
+        self.set_request(request)
+
+    @property
+    def first(self) -> int:
+        """The tick at which the model starts: there is none before."""
+        return self.begins
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether all that the model calls has been compiled, or is on disk."""
+        return self.second.is_ready
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the next tick of the model need not be compiled."""
+        return self.second.compiled
+
+    @property
+    def computed(self) -> tuple[FlockRun, ...]:
+        """The model's run."""
+        return (self.second,)
+
+    @property
+    def beside_values(self) -> dict[str, Any]:
+        """The parameters of the model."""
+        return self.second.values
+
+    def set_request(self, request: FrameRequest) -> None:
+        """Change what frames hold; only the flock that is meant is looked at from close."""
+        nobody = replace(request, row=None)
+        self.camera.set_request(nobody if request.beside else request)
+        second = request if request.beside else nobody
+        self.second.camera.set_request(replace(second, others=request.others_beside))
+
+    def model_tick(self, tick: int) -> int:
+        """The tick of the model that goes with one of the tracks."""
+        assert self.stored.start is not None
+        seconds = (tick - self.begins) * self.stored.recording.time_per_tick
+        return self.origin + int(seconds * self.stored.start.ticks_per_second + 1e-6)
+
+    def show(self, tick: int) -> None:
+        """Bring tracks and model to a tick of the tracks."""
+        super().show(tick)
+        if self.second is not None:
+            with naming_errors(self.model):
+                self.bring_model(self.model_tick(self.clock))
+            self.pair()
+
+    def bring_model(self, tick: int) -> None:
+        """Bring the model to one of its ticks."""
+        model = self.model
+        if tick < model.tick:
+            earlier = [then for then in self.kept if then.tick <= tick]
+            now = model.parameters.model_dump()
+            model.return_to(earlier[-1])
+            if model.parameters.model_dump() != now:
+                model.set(**now)
+            self.second.readings.cut(tick)
+        self.second.advance(tick - model.tick)
+        assert self.stored.start is not None
+        each = self.stored.recording.time_per_tick * self.stored.start.ticks_per_second
+        if model.tick - self.kept[-1].tick >= self.apart * max(each, 1.0):
+            self.keep()
+
+    def keep(self) -> None:
+        """Keep the model as it is, and of too many such moments every other."""
+        self.kept.append(self.model.snapshot())
+        size = sum(array.nbytes for array in self.kept[0].arrays)
+        if len(self.kept) * size > MEMORY and len(self.kept) > 2:
+            self.kept = self.kept[::2]
+            self.apart *= 2
+
+    def pair(self) -> None:
+        """Tell the tracks where the counterparts of individuals are."""
+        rows = self.model.rows
+        paired = np.full(self.flock.position.shape, np.nan)
+        paired[rows] = self.model.position
+        self.flock.paired = paired
+
+    def look(self, closely: bool, measured: bool = True) -> Frame:
+        """A frame of the tracks that holds one of the model; raises as `FlockRun.look`."""
+        frame = super().look(closely, measured)
+        with naming_errors(self.model):
+            other = self.second.look(closely, measured)
+        for trouble in self.second.troubles:
+            if repr(trouble) not in map(repr, self.troubles):
+                self.troubles.append(trouble)
+        assert self.stored.start is not None
+        is_over = self.stored.start.is_over
+        other = replace(other, title=self.model.model.title)
+        return replace(frame, title=self.stored.name, beside=other, is_over=is_over)
+
+    def allowed(self, name: str, value: Any, beside: bool = False) -> Any:
+        """The value nearest to the wanted one that keeps zones in order."""
+        return self.second.allowed(name, value) if beside else super().allowed(name, value)
+
+    def set(self, name: str, value: Any, beside: bool = False) -> None:
+        """Give a parameter of the model, or what counts as near, a value. Raises InputError."""
+        if beside:
+            with naming_errors(self.model):
+                self.second.set(name, value)
+        else:
+            super().set(name, value)
+
+    def demand_change(self, name: str = "", beside: bool = False) -> None:
+        """Raise InputError for a change of the tracks."""
+        if not (beside and name):
+            super().demand_change(name, beside)
+
+    def spec(self) -> bytes:
+        """The spec of the model as TOML."""
+        return self.second.spec()
+
+    def save(self) -> bytes:
+        """The state of the model as a file."""
+        return self.second.save()
