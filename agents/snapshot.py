@@ -41,6 +41,8 @@ class FlockState:
     hollow: np.ndarray | None = None
     """Of these: who is in a gap between two times that it is seen, (N,) bool; it has its last
     place."""
+    usual: int = 0
+    """Of these: how many are seen at a time as a rule."""
     paired: np.ndarray | None = None
     """The places (N, dim) of the agents of another flock, with which these are compared one by one;
     NaN for those that are not. None: there is no such flock."""

@@ -49,6 +49,7 @@ class TracksSnapshot(Snapshot):
     seen: np.ndarray | None = None
     hollow: np.ndarray | None = None
     paired: np.ndarray | None = None
+    usual: int = 0
 
     def measurable(self) -> Snapshot:
         """Those that are seen."""
@@ -57,7 +58,7 @@ class TracksSnapshot(Snapshot):
 
     def of(self, rows: np.ndarray) -> Snapshot:
         """The individuals of some rows, as if there were no others."""
-        columns = {
+        columns: dict[str, Any] = {
             name: None if getattr(self, name) is None else getattr(self, name)[rows]
             for name in ("seen", "hollow", "paired")
         }
@@ -114,7 +115,7 @@ class PlayedTracks:
 
     Lengths are metres, or pixels where nobody has said how large one is; with `length`, that many
     metres or pixels are one length. `window`, s: over which headings and speeds are smoothed, by
-    default three frames and no less than 0.2 s. Raises InputError for tracks that are too large.
+    default five frames. Raises InputError for tracks that are too large.
 
     Attributes
     ----------
@@ -215,7 +216,7 @@ class PlayedTracks:
         )
         return TracksSnapshot(
             self.model, self.world, self._parameters, 1, int(self.ticks[k]), arrays, n + 1, True,
-            seen=self.seen[k], hollow=self.is_hollow(k),
+            seen=self.seen[k], hollow=self.is_hollow(k), usual=self.usual,
         )  # fmt: skip
 
     def is_hollow(self, k: int) -> np.ndarray:
@@ -266,6 +267,11 @@ class PlayedTracks:
         found = np.concatenate(apart) if apart else np.empty(0)
         found = found[np.isfinite(found) & (found > 0.0)]
         return float(np.median(found)) if len(found) else 0.1 * float(max(self.world.size))
+
+    @cached_property
+    def usual(self) -> int:
+        """How many are seen in a frame as a rule: nine frames of ten have no more."""
+        return max(1, int(np.quantile(self.seen.sum(axis=1), 0.9)))
 
     @cached_property
     def median_speed(self) -> float:

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.tracks.motion import smoothed_motion
 from app.tracks.tracks import Tracks
+from worlds.input_error import InputError
 
 
 def headings_and_speeds(tracks: Tracks, window: float | None = None) -> tuple[np.ndarray, ...]:
     """Unit headings (T, N, dim) and speeds (T, N), in `unit`/s, of all individuals at all frames.
 
     Headings are the file's own where it has them, else those of the velocity, which is smoothed
-    over `window` seconds. Where an individual does not move or is not seen, it keeps its last
-    heading, and before the first one it has that.
+    over `window` seconds, by default five frames; beside a gap, where no window is whole, it is the
+    difference of the frames beside. Where an individual does not move or is not seen, it keeps its
+    last heading, and before the first one it has that.
     """
     velocity = differences(tracks)
+    try:
+        smooth = smoothed_motion(tracks, window).velocity
+    except InputError:  # nobody is seen for so long
+        smooth = np.full(velocity.shape, np.nan)
+    velocity = np.where(np.isfinite(smooth), smooth, velocity)
     speed = np.linalg.norm(velocity, axis=2)
     heading = np.full(velocity.shape, np.nan, np.float32)
     moving = np.isfinite(speed) & (speed > 0.0)

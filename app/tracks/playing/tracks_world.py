@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ def world_of_tracks(tracks: Tracks, scale: float = 1.0) -> World:
     """
     low, high = (corner * scale for corner in tracks.extent)
     walkable = None if not tracks.boundary else boundary_area(tracks, scale)
-    obstacles = ()
+    obstacles: tuple[Any, ...] = ()
     if walkable is not None and tracks.dim == 2:
         from worlds.readers.surround import outside
 

@@ -39,6 +39,7 @@ from app.viewer.lab.panels.runs_panel import RunsPanel
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.step_progress import LessonLead
 from app.viewer.lab.panels.sweep_panel import SweepPanel
+from app.viewer.lab.panels.tracks_panel import TracksPanel
 from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
 from app.viewer.lab.runs_file import ReadRuns, RunsFile
@@ -46,6 +47,7 @@ from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepRequestHandler, Sweeps, refuse_sweeps
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRuns
+from app.viewer.measuring.observable_curves import chart_title
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.sending import ExportPermit
@@ -58,6 +60,7 @@ from app.viewer.run.run_preset import drawing_defaults, lively_speed, preset_spe
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.run.stored_flock import LARGEST, InitialState
+from app.viewer.run.stored_tracks import StoredTracks
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.colouring import COLOURINGS
@@ -219,9 +222,11 @@ class Laboratory:
             self.setup = SetupPanel(gui, state)
         with tabs.add_tab("World"):
             self.world = WorldPanel(self.server, self.simulation, self.scene.handles.show)
+        tell = self.simulation.notices.put
+        with tabs.add_tab("Tracks"):
+            self.tracks = TracksPanel(gui, self.simulation, self.open_tracks, tell, self.allowance)
         with tabs.add_tab("View"):
             self.view = FlockView(gui, drawing_defaults(state.spec), self.point)
-        tell = self.simulation.notices.put
         if self.sweeps is not None:
             with tabs.add_tab("Sweep"):
                 self.sweep = SweepPanel(gui, marks, self.sweeps, self.simulation, tell)
@@ -333,6 +338,9 @@ class Laboratory:
             self.plots.runs.take(opened.runs)
             self.simulation.notices.put(opened.told("the file"))
             return
+        if isinstance(opened, StoredTracks):
+            self.open_tracks(opened, True)
+            return
         if self.allowance is not None:
             stored = None if isinstance(opened, SavedScene) else opened
             self.allowance.demand(opened.spec, getattr(opened, "beside", None), stored)
@@ -351,6 +359,28 @@ class Laboratory:
             self.setup.follow(opened.spec, opened.beside)
             self.look_at(opened)
             self.simulation.setup(opened.spec, opened.beside)
+        self.simulation.go()
+
+    def open_tracks(self, stored: StoredTracks, is_new: bool) -> None:
+        """Play tracks in all browsers, or others of them, with a model or without. Raises
+        InputError."""
+        if self.allowance is not None:
+            self.allowance.demand(stored.spec, stored.beside, stored)
+        self.waits = False
+        self.parameters.expect_scene()
+        self.select(None)
+        self.shown_scene = None
+        charts = ("polarisation", "seen", "nearest-neighbour")
+        if stored.start is not None:
+            charts = ("polarisation", "divergence", "seen")
+        self.plots.asked = stored.recording.model, tuple(chart_title((one,)) for one in charts)
+        if is_new:
+            self.run.pace(stored.speed, is_exact=True)
+            self.scene.open_on("")
+            self.pointing = self.simulation.state.run, ""
+        elif stored.start is None or not stored.start.is_over:
+            self.pointing = self.simulation.state.run, ""
+        self.simulation.open(stored)
         self.simulation.go()
 
     def take_rule(self, path: Path) -> None:
@@ -537,6 +567,7 @@ class Laboratory:
         self.time_line.refresh(state, self.simulation.frame)
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
+        self.tracks.refresh(state)
         self.parameters.refresh(state)
         self.rule_source.refresh(state.spec.model)
         if self.sweep is not None:

@@ -154,6 +154,7 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
         saved=now.signal(SAVED) if SAVED in now.model.columns else None,
         seen=now.seen,
         hollow=now.hollow,
+        usual=now.usual,
         form=now.model.rule.form,
         cars=cars(anyone),
     )

@@ -57,7 +57,7 @@ class FlockRunBuilder:
         Raises InputError.
         """
         if isinstance(stored, StoredTracks):
-            if stored.start is None:
+            if stored.start is None or beside is None:
                 return TracksRun(flock, number, request, watched, stored)
             model = replace(stored, start=replace(stored.start, spec=beside)).model_flock()
             return ModelBesideTracks(flock, model, number, request, watched, stored)

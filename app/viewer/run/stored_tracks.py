@@ -146,14 +146,9 @@ def start_model(played: PlayedTracks, start: ModelStart) -> ModelFlock:
         per_tick = model.body.unit == "ticks"
         arrays["speed"] = then.speed[rows] / (start.ticks_per_second if per_tick else 1.0)
     spec = Spec(
-        model.name,
-        world=world,
-        agents=len(rows),
-        informed=0,
-        dim=world.dim,
-        seed=1,
+        model.name, world=world, agents=len(rows), informed=0, seed=1,
         parameters=start.spec.parameters,
-    )
+    )  # fmt: skip
     try:
         flock = ModelFlock(spec, start=arrays)
     except InputError as refusal:

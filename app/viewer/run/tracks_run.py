@@ -67,8 +67,10 @@ class TracksCamera(FrameBuilder):
         """A frame that says who is seen."""
         frame = super().build()
         assert self.stored is not None
-        names = self.stored.recording.tracks.ids
-        return replace(frame, seen=self.flock.seen, hollow=self.flock.hollow, names=names)
+        played, flock = self.stored.recording, self.flock
+        return replace(
+            frame, seen=flock.seen, hollow=flock.hollow, names=played.tracks.ids, usual=played.usual
+        )
 
     def inspect(self) -> None:
         """Tell what is known of the wanted individual."""

@@ -186,7 +186,7 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     A flock that starts close together stays so: its darts are small enough to be told apart, and
     not too small to be seen.
     """
-    count = len(frame.position)
+    count = frame.usual or len(frame.position)
     if frame.room is None:
         common = dart_length(count, stage.half)
         fraction = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
