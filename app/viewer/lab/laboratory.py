@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import viser
 
-from agents.catalogue import MODELS
+from agents.catalogue import MODELS, PLAYED
 from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import CompleteSpec, Spec
@@ -67,6 +67,7 @@ from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.frame_interpolator import FrameInterpolator
+from worlds.input_error import InputError
 
 FROM_THE_START = ", from tick 0"
 UNWATCHED = 600.0
@@ -123,7 +124,7 @@ class Laboratory:
         self.shown_scene = scene
         if opened is not None:
             spec, speed = opened.spec, speed or opened.speed
-            beside = None if scene is None else scene.beside
+            beside = getattr(opened, "beside", None)
         spec = spec or preset_spec()
         self.simulation = Simulation(
             spec,
@@ -168,6 +169,8 @@ class Laboratory:
         self.take_uploads()
         if scene is not None:
             self.look_at(scene)
+        elif isinstance(opened, StoredTracks):
+            self.chart_tracks(opened)
         self.drawing = Drawing(
             self.scene,
             self.latest,
@@ -223,8 +226,6 @@ class Laboratory:
         with tabs.add_tab("World"):
             self.world = WorldPanel(self.server, self.simulation, self.scene.handles.show)
         tell = self.simulation.notices.put
-        with tabs.add_tab("Tracks"):
-            self.tracks = TracksPanel(gui, self.simulation, self.open_tracks, tell, self.allowance)
         with tabs.add_tab("View"):
             self.view = FlockView(gui, drawing_defaults(state.spec), self.point)
         if self.sweeps is not None:
@@ -234,6 +235,8 @@ class Laboratory:
             Downloads(gui, self.simulation)
             self.saving = SceneFiles(gui, self.now, self.open, tell, self.allowance)
             self.lesson_form = LessonForm(gui, self.now, self.take_steps, tell)
+        with tabs.add_tab("Tracks"):
+            self.tracks = TracksPanel(gui, self.simulation, self.open_tracks, tell, self.allowance)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
             self.lesson = LessonPanel(
@@ -370,10 +373,7 @@ class Laboratory:
         self.parameters.expect_scene()
         self.select(None)
         self.shown_scene = None
-        charts = ("polarisation", "seen", "nearest-neighbour")
-        if stored.start is not None:
-            charts = ("polarisation", "divergence", "seen")
-        self.plots.asked = stored.recording.model, tuple(chart_title((one,)) for one in charts)
+        self.chart_tracks(stored)
         if is_new:
             self.run.pace(stored.speed, is_exact=True)
             self.scene.open_on("")
@@ -382,6 +382,13 @@ class Laboratory:
             self.pointing = self.simulation.state.run, ""
         self.simulation.open(stored)
         self.simulation.go()
+
+    def chart_tracks(self, stored: StoredTracks) -> None:
+        """Have the charts show what tells most of tracks, or of a model that is compared."""
+        charts: tuple[tuple[str, ...], ...] = ("polarisation", "angular-momentum"), ("seen",)
+        if stored.start is not None:
+            charts = ("polarisation",), ("divergence",), ("seen",)
+        self.plots.asked = stored.recording.model, tuple(map(chart_title, charts))
 
     def take_rule(self, path: Path) -> None:
         """Have the flock go on under what the file of a rule says now; what is wrong is told."""
@@ -422,8 +429,13 @@ class Laboratory:
         self.plots.asked = model, (observable,)
 
     def now(self, title: str = "") -> SavedScene:
-        """The run, with the parameters as they are now, and the view, as a scene."""
+        """The run, with the parameters as they are now, and the view, as a scene. Raises InputError
+        for tracks."""
         state, before = self.simulation.state, self.told_scene()
+        if state.spec.model in PLAYED:
+            raise InputError(
+                "a scene holds a model and no tracks: open the file of tracks again instead"
+            )
         if before is not None and self.pointing is not None and state.run <= self.pointing[0]:
             return replace(before, title=title or before.title)  # it is about to be set up
         spec, beside = state.current_specs()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import threading
 from collections.abc import Callable
 from dataclasses import asdict
@@ -89,7 +90,13 @@ class SceneRequests:
 
     def take(self, _: Request) -> web.Response:
         """The run as it is now, in all the ways in which it can be taken along."""
-        scene = self.laboratory.now()
+        try:
+            scene = self.laboratory.now()
+        except InputError as refusal:
+            name = str(getattr(self.laboratory.simulation.state.stored, "name", "tracks"))
+            command = f"flockscope lab --tracks {shlex.quote(name)}"
+            said = {"title": name, "address": str(refusal), "command": command}
+            return web.json_response(said | {"python": f"# {refusal}"})
         try:
             address = f"?scene={quote(pack_scene(scene))}"
         except InputError as refusal:

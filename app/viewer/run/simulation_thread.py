@@ -37,6 +37,7 @@ from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
 from app.viewer.run.step_trial import ANOTHER, StepTrial
 from app.viewer.run.stored_flock import InitialState, under_new_rule
 from app.viewer.run.time_line import TimeLine
+from app.viewer.run.tracks_run import TracksRun
 from app.viewer.scene.shown.drawing_style import DENSITY_PERIOD, shows_density
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
@@ -434,6 +435,11 @@ class SimulationThread:
     def copy_flocks(self) -> tuple[Flock, ...]:
         """Copies of the flock, and of the one beside it, at this tick. Raises InputError."""
         run = self.compiled_run("what a page runs")
+        if isinstance(run, TracksRun):
+            raise InputError(
+                f"{run.stored.name} is a file of tracks, which no page can run: film it as HTML "
+                "that plays"
+            )
         return tuple(deepcopy(flock_run.flock) for flock_run in run.both)
 
     def change(

@@ -263,7 +263,8 @@ class ModelBesideTracks(TracksRun):
                 self.troubles.append(trouble)
         assert self.stored.start is not None
         is_over = self.stored.start.is_over
-        other = replace(other, title=self.model.model.title)
+        dt, unit = self.model.clock
+        other = replace(other, title=self.model.model.title, dt=dt, unit=unit)
         return replace(frame, title=self.stored.name, beside=other, is_over=is_over)
 
     def allowed(self, name: str, value: Any, beside: bool = False) -> Any:

@@ -124,7 +124,11 @@ class SceneFiles:
     async def save(self, event: viser.GuiEvent) -> None:
         """Send the scene to the browser that asked."""
         if event.client is not None:
-            scene = self.now(self.name.value.strip()[: TEXTS["title"]])
+            try:
+                scene = self.now(self.name.value.strip()[: TEXTS["title"]])
+            except InputError as refusal:
+                self.tell(str(refusal))
+                return
             name = re.sub(r"\W+", "-", scene.title.lower()).strip("-") or "scene"
             event.client.send_file_download(
                 f"{name}.toml", scene.to_toml().encode(), save_immediately=True

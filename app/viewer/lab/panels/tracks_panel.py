@@ -76,22 +76,8 @@ class TracksPanel:
             hint="Where animals, people or robots were, of any format that `flockscope tracks` "
             f"reads, up to {LARGEST // 10**6} MB: replaces the run in all browsers",
         )
+        gui.add_html(block(f'<div class="fs-quiet">{html.escape(LARGER)}</div>'))
         self.fault = gui.add_html("")
-        with gui.add_folder("What the file does not say", expand_by_default=False) as self.folder:
-            self.rate = gui.add_number(
-                FIELDS["--rate"], 0.0, min=0.0, max=1e6, step=0.001, hint="0: as the file says"
-            )
-            self.unit = gui.add_dropdown(
-                FIELDS["--unit"], (OF_FILE, *UNITS, PIXELS), hint="Of the numbers in the file"
-            )
-            self.scale = gui.add_number(
-                FIELDS["--scale"], 0.0, min=0.0, max=1e3, step=1e-6, hint="0: pixels stay pixels"
-            )
-            self.origin = gui.add_dropdown(
-                FIELDS["--origin"],
-                (OF_FILE, "top-left", "bottom-left"),
-                hint="top-left: y points down, as in the pictures of a camera",
-            )
         self.again = gui.add_button("Read the file with these", visible=False)
         self.facts = gui.add_html("")
         self.within = gui.add_number(
@@ -121,6 +107,21 @@ class TracksPanel:
             self.mapping = gui.add_html("")
             self.start = gui.add_button("Start a model here", icon=viser.Icon.PLAYER_PLAY)
         self.stop = gui.add_button("Tracks alone", icon=viser.Icon.X, color="gray", visible=False)
+        with gui.add_folder("What the file does not say", expand_by_default=False) as self.folder:
+            self.rate = gui.add_number(
+                FIELDS["--rate"], 0.0, min=0.0, max=1e6, step=0.001, hint="0: as the file says"
+            )
+            self.unit = gui.add_dropdown(
+                FIELDS["--unit"], (OF_FILE, *UNITS, PIXELS), hint="Of the numbers in the file"
+            )
+            self.scale = gui.add_number(
+                FIELDS["--scale"], 0.0, min=0.0, max=1e3, step=1e-6, hint="0: pixels stay pixels"
+            )
+            self.origin = gui.add_dropdown(
+                FIELDS["--origin"],
+                (OF_FILE, "top-left", "bottom-left"),
+                hint="top-left: y points down, as in the pictures of a camera",
+            )
         self.upload.on_upload(self.take_upload)
         self.again.on_click(self.read_again)
         self.model.on_update(self.choose_model)
@@ -259,7 +260,8 @@ class TracksPanel:
             title = MODELS[start.spec.model].title
             words = mapping_words(start.ticks_per_second, stored.recording.length, unit)
             at = start.tick * stored.recording.time_per_tick
-            return f"<b>{html.escape(title)}</b> started at {at:.2f} s: {words}"
+            text = f"<b>{html.escape(title)}</b> started at {at:.2f} s: {words}"
+            return f'<div class="fs-quiet">{text}</div>'
         words = mapping_words(float(self.ticks.value), float(self.length.value), unit)
         return f'<div class="fs-quiet">{words}</div>'
 
@@ -268,6 +270,7 @@ ABOUT = (
     "The model starts from the places, smoothed headings and speeds of those who are seen in this "
     "frame, in the world of the tracks."
 )
+LARGER = "Larger files: flockscope lab --tracks FILE"
 OPENS = (
     "Play tracks of real animals, people or robots, measure them as a flock, and start a model in "
     "any of their frames."
