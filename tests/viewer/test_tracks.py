@@ -367,7 +367,7 @@ def laboratory(played):
 
 
 def test_the_page_says_what_is_played_and_saves_no_scene_of_it(laboratory, played):
-    assert "ring.csv" in laboratory.tracks.facts.content
+    until(lambda: "ring.csv" in laboratory.tracks.facts.content)
     assert "12, 12 at a time" in describe_tracks(played)
     assert laboratory.run.speed.value == "25 ticks/s"
     with pytest.raises(InputError, match="a scene holds a model and no tracks"):

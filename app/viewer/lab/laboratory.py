@@ -149,6 +149,8 @@ class Laboratory:
         self.between = FrameInterpolator()
         self.pointing: tuple[int, str] | None = None
         """After which run, and to what, all cameras are to be pointed."""
+        self.charted: tuple[int, StoredTracks] | None = None
+        """After which run charts are to show what tells most of tracks, and of which."""
         self.waits = running and waits
         self.watched_at = time.monotonic()
         """When it was watched last, s of the monotonic clock."""
@@ -170,7 +172,7 @@ class Laboratory:
         if scene is not None:
             self.look_at(scene)
         elif isinstance(opened, StoredTracks):
-            self.chart_tracks(opened)
+            self.charted = -1, opened
         self.drawing = Drawing(
             self.scene,
             self.latest,
@@ -373,7 +375,7 @@ class Laboratory:
         self.parameters.expect_scene()
         self.select(None)
         self.shown_scene = None
-        self.chart_tracks(stored)
+        self.charted = self.simulation.state.run, stored
         if is_new:
             self.run.pace(stored.speed, is_exact=True)
             self.scene.open_on("")
@@ -614,6 +616,9 @@ class Laboratory:
 
     def measure(self, state: SimulationState, frame: Frame, readings: FlockReadings) -> None:
         """Show what has been measured, and say what is to be."""
+        if self.charted is not None and frame.run > self.charted[0]:
+            (_, stored), self.charted = self.charted, None
+            self.chart_tracks(stored)
         beside = None if frame.beside is None else self.simulation.readings_beside
         self.plots.refresh(readings, frame, beside)
         self.runs.refresh(self.plots.runs.going)
