@@ -24,7 +24,9 @@ from app.front.server import admit_browsers, close_server, front_of, on_browser_
 from app.front.uploads import accept_uploads
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.fits.fit_worker import TracksFit
 from app.viewer.lab.panels.downloads import Downloads, SceneFiles
+from app.viewer.lab.panels.fit_panel import FitPanel
 from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS, CrashLists, contents
 from app.viewer.lab.panels.flock_view import FlockView
 from app.viewer.lab.panels.inspector import Inspector
@@ -158,9 +160,12 @@ class Laboratory:
         """Whether it stands since nobody watched, and nobody has been told."""
         self.runs_file = runs
         self.sweeps: Sweeps | None = None
+        self.fit: TracksFit | None = None
+        self.fit_panel: FitPanel | None = None
         self.sweep: SweepPanel | None = None
         if allowance is None or allowance.sweeps:
             self.sweeps = Sweeps(results, lambda: self.browsers() > 0)
+            self.fit = TracksFit(results, self.simulation.news.set)
         self.furnish()
         self.requests = SceneRequests(front_of(self.server), self)
         self.runs.listen(self.requests)
@@ -206,6 +211,8 @@ class Laboratory:
         if going:
             line = f"the sweep {going} goes on; `flockscope sweep stop {going}` ends it"
             print(line, file=sys.stderr)
+        if self.fit is not None:
+            self.fit.close()
         self.drawing.close()
         self.simulation.close()
         self.plots.runs.close()
@@ -239,6 +246,9 @@ class Laboratory:
             self.lesson_form = LessonForm(gui, self.now, self.take_steps, tell)
         with tabs.add_tab("Tracks"):
             self.tracks = TracksPanel(gui, self.simulation, self.open_tracks, tell, self.allowance)
+        if self.fit is not None:
+            with tabs.add_tab("Fit"):
+                self.fit_panel = FitPanel(gui, self.fit, self.tracks, self.shown_tick, tell)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
             self.lesson = LessonPanel(
@@ -384,6 +394,11 @@ class Laboratory:
             self.pointing = self.simulation.state.run, ""
         self.simulation.open(stored)
         self.simulation.go()
+
+    def shown_tick(self) -> int:
+        """The tick of the frame that is there; 0 before the first one."""
+        frame = self.simulation.frame
+        return 0 if frame is None else frame.tick
 
     def chart_tracks(self, stored: StoredTracks) -> None:
         """Have the charts show what tells most of tracks, or of a model that is compared."""
@@ -582,6 +597,8 @@ class Laboratory:
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
         self.tracks.refresh(state)
+        if self.fit_panel is not None:
+            self.fit_panel.refresh(state)
         self.parameters.refresh(state)
         self.rule_source.refresh(state.spec.model)
         if self.sweep is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shlex
 import threading
 from collections.abc import Callable
 from dataclasses import asdict
@@ -93,10 +92,8 @@ class SceneRequests:
         try:
             scene = self.laboratory.now()
         except InputError as refusal:
-            name = str(getattr(self.laboratory.simulation.state.stored, "name", "tracks"))
-            command = f"flockscope lab --tracks {shlex.quote(name)}"
-            said = {"title": name, "address": str(refusal), "command": command}
-            return web.json_response(said | {"python": f"# {refusal}"})
+            said = {"title": "Tracks", "address": str(refusal), "python": f"# {refusal}"}
+            return web.json_response(said | {"command": "flockscope lab --tracks FILE"})
         try:
             address = f"?scene={quote(pack_scene(scene))}"
         except InputError as refusal:
