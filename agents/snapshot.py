@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -43,6 +44,8 @@ class FlockState:
     place."""
     usual: int = 0
     """Of these: how many are seen at a time as a rule."""
+    apart: float = math.inf
+    """Of these: the median distance to the nearest other, length."""
     paired: np.ndarray | None = None
     """The places (N, dim) of the agents of another flock, with which these are compared one by one;
     NaN for those that are not. None: there is no such flock."""

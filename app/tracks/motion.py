@@ -56,7 +56,7 @@ class SmoothedMotion:
 
     @property
     def velocity_noise(self) -> float:
-        """Standard deviation of a component of the velocity, unit/s: `velocity_noise` of `noise`."""
+        """Standard deviation of a component of the velocity that `noise` makes, unit/s."""
         return velocity_noise(self.noise, self.frames, self.step)
 
     @cached_property
@@ -70,9 +70,8 @@ class SmoothedMotion:
         moves = (self.speed > 0.0) & (self.speed >= self.least_speed)
         if self.pointing is not None:
             length = np.sqrt((self.pointing**2).sum(axis=2))
-            moves = (length > 0.0) & ((self.least_speed == 0.0) | moves)
-            return np.where(moves[..., None], self.pointing / np.where(moves, length, 1.0)[..., None],
-                            np.nan)  # fmt: skip
+            points = (length > 0.0) & ((self.least_speed == 0.0) | moves)
+            return self.pointing / np.where(points, length, np.nan)[..., None]
         speed = np.where(moves, self.speed, np.nan)
         return self.velocity / speed[..., None]
 

@@ -348,9 +348,11 @@ def test_over_them_the_tracks_are_hollow_and_the_model_in_the_same_room(shown):
 
 
 def test_agents_are_as_large_as_suits_those_seen_at_a_time(shown):
-    _, few = shown(usual=30)
-    _, many = shown(usual=3000)
+    _, few = shown(usual=30, apart=math.inf)
+    _, many = shown(usual=3000, apart=math.inf)
+    _, dense = shown(usual=30, apart=0.2)
     assert few.length > many.length
+    assert few.length > dense.length
 
 
 # In the page.

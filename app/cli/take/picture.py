@@ -44,9 +44,7 @@ def picture(
     origin: Origin = None,
     tick: Annotated[
         int | None,
-        typer.Option(
-            help="Which tick to draw. \\[default: 100; of what is recorded the last]"
-        ),
+        typer.Option(help="Which tick to draw. \\[default: 100; of what is recorded the last]"),
     ] = None,
     out: Annotated[Path, typer.Option(help="PNG, SVG or PDF file, by its ending.")] = Path(
         "flock.png"

@@ -50,6 +50,7 @@ class TracksSnapshot(Snapshot):
     hollow: np.ndarray | None = None
     paired: np.ndarray | None = None
     usual: int = 0
+    apart: float = math.inf
 
     def measurable(self) -> Snapshot:
         """Those that are seen."""
@@ -217,6 +218,7 @@ class PlayedTracks:
         return TracksSnapshot(
             self.model, self.world, self._parameters, 1, int(self.ticks[k]), arrays, n + 1, True,
             seen=self.seen[k], hollow=self.is_hollow(k), usual=self.usual,
+            apart=self.spacing,
         )  # fmt: skip
 
     def is_hollow(self, k: int) -> np.ndarray:

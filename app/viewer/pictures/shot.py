@@ -155,6 +155,7 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
         seen=now.seen,
         hollow=now.hollow,
         usual=now.usual,
+        apart=now.apart,
         form=now.model.rule.form,
         cars=cars(anyone),
     )

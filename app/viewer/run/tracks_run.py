@@ -69,7 +69,12 @@ class TracksCamera(FrameBuilder):
         assert self.stored is not None
         played, flock = self.stored.recording, self.flock
         return replace(
-            frame, seen=flock.seen, hollow=flock.hollow, names=played.tracks.ids, usual=played.usual
+            frame,
+            seen=flock.seen,
+            hollow=flock.hollow,
+            names=played.tracks.ids,
+            usual=played.usual,
+            apart=played.spacing,
         )
 
     def inspect(self) -> None:

@@ -200,7 +200,7 @@ def fitted_start(state: FitState, plain: PlayedTracks, tick: int) -> StoredTrack
     assert state.request is not None
     if state.tracks is not plain.tracks:
         raise InputError("other tracks are played by now: open those of the fit again")
-    fit = state.result.best
+    fit = state.result.fits[0]
     length = state.request.length or 1.0
     played = plain if length == 1.0 else PlayedTracks(plain.tracks, length)
     seconds = plain.tracks.step * state.request.every
@@ -225,5 +225,8 @@ def describe_result(state: FitState) -> str:
     """What a fit says, with a map of its costs, HTML."""
     if state.result is None:
         return ""
-    lines = "".join(f"<p>{html.escape(line)}</p>" for line in state.result.sentences())
-    return f'<div class="fs-fit">{cost_map(state.result.best)}{lines}</div>'
+    fit = state.result.fits[0]
+    verdict = "".join(f"<p>{html.escape(line)}</p>" for line in fit.sentences())
+    others = [line for line in state.result.sentences() if line not in fit.sentences()]
+    more = "".join(f"<p>{html.escape(line)}</p>" for line in others)
+    return f'{verdict}<div class="fs-fit">{cost_map(fit)}</div><div class="fs-quiet">{more}</div>'

@@ -164,6 +164,9 @@ LEAST_LENGTH = 0.012
 """Length of an agent of a close flock as a multiple of the world's longest side, at least."""
 LEAST_CAR = 0.022
 """Length of a car as a multiple of the world's longest side, at least."""
+TRACKED = 1.3
+"""Length of an individual of tracks as a multiple of their median distance, at most; but not less
+than LEAST_LENGTH."""
 LYING = 0.09
 """How high the middle of one that lies on the floor is, as a multiple of its length."""
 KEPT = 1.15
@@ -190,6 +193,9 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     if frame.room is None:
         common = dart_length(count, stage.half)
         fraction = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
+        if frame.seen is not None:
+            least = LEAST_LENGTH * stage.side
+            return float(min(common, max(least, TRACKED * frame.apart * stage.scale)))
         return float(np.clip(fraction, 0.5 * common, common))
     half = np.zeros(3)
     half[: stage.dim] = 0.5 * stage.scale * (frame.room[1] - frame.room[0])

@@ -168,6 +168,8 @@ class Frame:
     """(N,) bool: of tracks, who is drawn at its last place, hollow; nobody else who is not seen."""
     usual: int = 0
     """Of tracks, how many are seen at a time as a rule; 0: everybody always is."""
+    apart: float = float("inf")
+    """Of tracks, the median distance to the nearest other, length."""
     names: tuple[str, ...] = ()
     """(N,): of tracks, what individuals are called in their file; empty: by their numbers."""
     is_over: bool = False
