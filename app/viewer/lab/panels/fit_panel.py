@@ -74,7 +74,7 @@ class FitPanel:
         self.progress = gui.add_html("")
         self.result = gui.add_html("")
         self.begin_fitted = gui.add_button(
-            "Start it here with these", icon=viser.Icon.PLAYER_PLAY, visible=False
+            "Start it here with these", icon=viser.Icon.SEEDLING, visible=False
         )
         self.offer()
         self.model.on_update(self.choose_model)
