@@ -242,7 +242,14 @@ class Laboratory:
                 self.sweep = SweepPanel(gui, marks, self.sweeps, self.simulation, tell)
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
-            self.saving = SceneFiles(gui, self.now, self.open, tell, self.allowance)
+            self.saving = SceneFiles(
+                gui,
+                self.now,
+                self.open,
+                tell,
+                lambda name, content: self.tracks.read(name, content),
+                self.allowance,
+            )
             self.lesson_form = LessonForm(gui, self.now, self.take_steps, tell)
         with tabs.add_tab("Tracks"):
             self.tracks = TracksPanel(gui, self.simulation, self.open_tracks, tell, self.allowance)

@@ -74,7 +74,7 @@ class FitPanel:
         self.progress = gui.add_html("")
         self.result = gui.add_html("")
         self.begin_fitted = gui.add_button(
-            "Start it here with these", icon=viser.Icon.SEEDLING, visible=False
+            "Start it here with these", icon=viser.Icon.GHOST, visible=False
         )
         self.offer()
         self.model.on_update(self.choose_model)

@@ -105,7 +105,7 @@ class TracksPanel:
                 "median distance to the nearest other",
             )  # fmt: skip
             self.mapping = gui.add_html("")
-            self.start = gui.add_button("Start a model here", icon=viser.Icon.SEEDLING)
+            self.start = gui.add_button("Start a model here", icon=viser.Icon.GHOST)
         self.stop = gui.add_button("Tracks alone", icon=viser.Icon.X, color="gray", visible=False)
         with gui.add_folder("What the file does not say", expand_by_default=False) as self.folder:
             self.rate = gui.add_number(
