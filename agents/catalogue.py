@@ -209,7 +209,9 @@ BUILT_IN = [
 ]
 
 
-TRACKED = ("polarisation", "angular-momentum", "divergence", "seen", "nearest-neighbour")
+TRACKED = (
+    "polarisation", "angular-momentum", "divergence", "individuals-seen", "nearest-neighbour"
+)  # fmt: skip
 """What tells of tracks: how ordered and how dense those seen are, and how many are seen."""
 PLAYED = {
     rule.name: Model(rule, tracked.BODY, world="open", tells=TRACKED)

@@ -330,7 +330,7 @@ FLIGHT = [
 ]
 TRACKS = [
     Observable(
-        "seen",
+        "individuals-seen",
         "Individuals of tracks that are seen",
         "agents",
         COUNT,

@@ -14,6 +14,7 @@ import viser
 
 from agents.catalogue import MODELS, PLAYED
 from agents.flock import Flock
+from agents.observables.catalogue import default_charts
 from agents.observables.of_agents import measurable
 from agents.spec import CompleteSpec, Spec
 from app.front.controls import set_value
@@ -407,12 +408,11 @@ class Laboratory:
         frame = self.simulation.frame
         return 0 if frame is None else frame.tick
 
-    def chart_tracks(self, stored: StoredTracks) -> None:
+    def chart_tracks(self, stored: StoredTracks, readings: FlockReadings) -> None:
         """Have the charts show what tells most of tracks, or of a model that is compared."""
-        charts: tuple[tuple[str, ...], ...] = ("polarisation", "angular-momentum"), ("seen",)
-        if stored.start is not None:
-            charts = ("polarisation",), ("divergence",), ("seen",)
-        self.plots.asked = stored.recording.model, tuple(map(chart_title, charts))
+        model = stored.recording.model
+        charts = default_charts(model, readings.offered)
+        self.plots.asked = model, tuple(map(chart_title, charts))
 
     def take_rule(self, path: Path) -> None:
         """Have the flock go on under what the file of a rule says now; what is wrong is told."""
@@ -642,7 +642,7 @@ class Laboratory:
         """Show what has been measured, and say what is to be."""
         if self.charted is not None and frame.run > self.charted[0]:
             (_, stored), self.charted = self.charted, None
-            self.chart_tracks(stored)
+            self.chart_tracks(stored, readings)
         beside = None if frame.beside is None else self.simulation.readings_beside
         self.plots.refresh(readings, frame, beside)
         self.runs.refresh(self.plots.runs.going)

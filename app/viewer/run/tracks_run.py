@@ -9,6 +9,7 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.inspection import Inspection
+from agents.observables.catalogue import OBSERVABLES, is_compared, is_tracked
 from agents.snapshot import Snapshot
 from app.tracks.playing.played_tracks import FEWEST, PlayedFlock, TracksSnapshot
 from app.viewer.measuring.flock_readings import FlockReadings
@@ -23,7 +24,9 @@ from worlds.input_error import InputError
 
 WITHIN = "within"
 """The one parameter of tracks that is not the file's: how far neighbours are."""
-OF_FEW = frozenset({"seen", "divergence"})
+OF_FEW = frozenset(
+    name for name, one in OBSERVABLES.items() if one.applies in (is_tracked, is_compared)
+)
 """What says something of few individuals too."""
 MEMORY = 64 * 2**20
 """Bytes of a model's earlier ticks that are kept, to go back to."""

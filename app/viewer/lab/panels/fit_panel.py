@@ -15,7 +15,7 @@ from app.tracks.playing.played_tracks import PlayedTracks
 from app.tracks.tracks import PIXELS, Tracks
 from app.viewer.lab.fits.cost_map import cost_map
 from app.viewer.lab.fits.fit_worker import FitState, TracksFit
-from app.viewer.lab.panels.tracks_panel import TracksPanel
+from app.viewer.lab.panels.tracks_panel import TracksPanel, usual_model
 from app.viewer.lab.sweeps.sweep_request import numbers
 from app.viewer.panels.dials import set_visible
 from app.viewer.panels.parameters import parameter_label
@@ -26,9 +26,6 @@ from worlds.input_error import InputError
 from worlds.number_text import counted
 
 NONE = "none"
-USUAL = "couzin"
-PROPOSED = {"couzin": ("dr_o", "dr_a")}
-"""What is looked for at first, by model; of others their first parameters."""
 ABOUT = (
     "Each frame is foretold by the model's own rule from the frame before. The fit is judged on "
     "frames it has not seen, beside keeping the heading and beside headings shuffled in time."
@@ -52,7 +49,7 @@ class FitPanel:
         self.names: dict[str, str] = {}
         self.about = gui.add_html(block(f'<div class="fs-quiet">{NO_TRACKS}</div>'))
         titles = tuple(model.title for model in MODELS.values())
-        self.model = gui.add_dropdown("Model", titles, initial_value=MODELS[USUAL].title)
+        self.model = gui.add_dropdown("Model", titles, initial_value=MODELS[usual_model()].title)
         self.first = gui.add_dropdown("Parameter", (NONE,), hint="What is looked for")
         self.second = gui.add_dropdown("And", (NONE,), hint="A second one makes a map of costs")
         self.every = gui.add_number(
@@ -95,8 +92,7 @@ class FitPanel:
         offered = [parameter for parameter in numbers(name) if not parameter.noise]
         self.names = {parameter_label(one)[0]: one.name for one in offered}
         labels = {name: label for label, name in self.names.items()}
-        proposed = [one for one in PROPOSED.get(name, ()) if one in labels]
-        proposed = proposed or [one.name for one in offered[:1]]
+        proposed = proposed_parameters(name)
         for place, control in enumerate((self.first, self.second)):
             control.options = (NONE, *self.names)
             wanted = labels[proposed[place]] if place < len(proposed) else NONE
@@ -191,6 +187,16 @@ class FitPanel:
             f"1 length is {float(self.length.value):.4g} {unit}."
         )
         return f'<div class="fs-quiet">{words}</div>'
+
+
+def proposed_parameters(model: str) -> list[str]:
+    """What is looked for at first: of a rule with zones the widths of the outer two, else the first
+    length, or number."""
+    offered = [parameter for parameter in numbers(model) if not parameter.noise]
+    lengths = [one.name for one in offered if one.unit in ("length", "m")]
+    if MODELS[model].rule.zones and len(lengths) >= 3:
+        return lengths[1:3]
+    return lengths[:1] or [one.name for one in offered[:1]]
 
 
 def fitted_start(state: FitState, plain: PlayedTracks, tick: int) -> StoredTracks:

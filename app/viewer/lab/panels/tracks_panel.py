@@ -32,8 +32,8 @@ from worlds.input_error import InputError
 from worlds.number_text import counted
 
 OF_FILE = "as the file says"
+TOPIC = "biology"
 BESIDE, OVER = "beside the tracks", "over the tracks"
-USUAL_MODEL = "couzin"
 FIELDS = {
     "--rate": "Frames per second",
     "--unit": "Unit of places",
@@ -89,7 +89,7 @@ class TracksPanel:
         with self.form:
             gui.add_html(block(f'<div class="fs-quiet">{html.escape(ABOUT)}</div>'))
             self.model = gui.add_dropdown(
-                "Model", titles, initial_value=MODELS[USUAL_MODEL].title, hint="Its rule"
+                "Model", titles, initial_value=MODELS[usual_model()].title, hint="Its rule"
             )
             self.drawn = gui.add_dropdown(
                 "Drawn", (OVER, BESIDE), hint="Over them the individuals are hollow, as ghosts"
@@ -275,6 +275,16 @@ OPENS = (
     "Play tracks of real animals, people or robots, measure them as a flock, and start a model in "
     "any of their frames."
 )
+
+
+def usual_model() -> str:
+    """The model that is proposed to be set beside tracks: the first of animals with zones, whose
+    time is counted in seconds as that of tracks is."""
+    return next(
+        name
+        for name, one in MODELS.items()
+        if one.rule.zones and TOPIC in one.rule.tags and one.body.unit != "ticks"
+    )
 
 
 def in_page_words(line: str) -> str:
