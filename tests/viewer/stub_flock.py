@@ -148,6 +148,8 @@ class StubFlock:
             minds=True,
             places=(),
             model=None,
+            name="",
+            known={},
         )
 
     def save(self, path) -> None:

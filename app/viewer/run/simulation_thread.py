@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.catalogue import MODELS, from_file
+from agents.catalogue import MODELS, PLAYED, from_file
 from agents.flock import Flock
 from agents.models.rule_file import describe_fault
 from agents.spec import CompleteSpec, Spec
@@ -278,6 +278,8 @@ class SimulationThread:
         self.state = replace(self.state, busy=True)
         try:
             self.keeping.demand(spec, beside, stored)
+            if stored is None and spec.model in PLAYED:
+                raise InputError("tracks follow no rule: open their file again, in the tab Tracks")
             flock = self.building.flock(spec, stored)
             refuse_too_dense(flock)
             run = self.new_run(flock, beside, stored)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,6 +33,9 @@ MEMORY = 64 * 2**20
 """Bytes of a model's earlier ticks that are kept, to go back to."""
 KEPT = 20
 """Ticks of the tracks between two that are kept, at first."""
+LONGEST = 1.0
+"""Seconds for which a model is run at once, to come to where the time line was moved: commands wait
+for it."""
 
 
 @dataclass
@@ -179,7 +183,8 @@ class ModelBesideTracks(TracksRun):
         self.second = FlockRun(second, number, FrameRequest(), watched)
         self.origin = second.tick
         """The tick of the model at which it started."""
-        self.kept: list[Snapshot] = [second.snapshot()]
+        self.kept: list[tuple[int, Snapshot]] = [(self.begins, second.snapshot())]
+        """The model at some ticks of the tracks, rising."""
         self.apart = KEPT
         self.pair()
         self.set_request(request)
@@ -223,33 +228,43 @@ class ModelBesideTracks(TracksRun):
         return self.origin + int(seconds * self.stored.start.ticks_per_second + 1e-6)
 
     def show(self, tick: int) -> None:
-        """Bring tracks and model to a tick of the tracks."""
-        super().show(tick)
+        """Bring tracks and model to a tick of the tracks, or as far as the model comes in a second:
+        others wait."""
         if self.second is not None:
             with naming_errors(self.model):
-                self.bring_model(self.model_tick(self.clock))
+                tick = self.bring_model(tick)
+        super().show(tick)
+        if self.second is not None:
             self.pair()
 
-    def bring_model(self, tick: int) -> None:
-        """Bring the model to one of its ticks."""
-        model = self.model
-        if tick < model.tick:
-            earlier = [then for then in self.kept if then.tick <= tick]
-            now = model.parameters.model_dump()
-            model.return_to(earlier[-1])
-            if model.parameters.model_dump() != now:
-                model.set(**now)
-            self.second.readings.cut(tick)
-        self.second.advance(tick - model.tick)
-        assert self.stored.start is not None
-        each = self.stored.recording.time_per_tick * self.stored.start.ticks_per_second
-        if model.tick - self.kept[-1].tick >= self.apart * max(each, 1.0):
-            self.keep()
+    def bring_model(self, tick: int) -> int:
+        """Bring the model to a tick of the tracks; the tick that it has come to."""
+        end, now = time.perf_counter() + LONGEST, self.clock
+        if tick < now:
+            now = self.take_back(tick)
+        while now < tick:
+            now = min(tick, now + KEPT)
+            self.second.advance(self.model_tick(now) - self.model.tick)
+            if now - self.kept[-1][0] >= self.apart:
+                self.keep(now)
+            if time.perf_counter() > end:
+                break
+        return now
 
-    def keep(self) -> None:
-        """Keep the model as it is, and of too many such moments every other."""
-        self.kept.append(self.model.snapshot())
-        size = sum(array.nbytes for array in self.kept[0].arrays)
+    def take_back(self, tick: int) -> int:
+        """Take the model to the last kept tick that is not after one; it keeps its parameters."""
+        then, snapshot = next(kept for kept in reversed(self.kept) if kept[0] <= tick)
+        now = self.model.parameters.model_dump()
+        self.model.return_to(snapshot)
+        if self.model.parameters.model_dump() != now:
+            self.model.set(**now)
+        self.second.readings.cut(self.model.tick)
+        return then
+
+    def keep(self, tick: int) -> None:
+        """Keep the model as it is at a tick, and of too many such moments every other."""
+        self.kept.append((tick, self.model.snapshot()))
+        size = sum(array.nbytes for array in self.kept[0][1].arrays)
         if len(self.kept) * size > MEMORY and len(self.kept) > 2:
             self.kept = self.kept[::2]
             self.apart *= 2
