@@ -18,6 +18,7 @@ from app.viewer.lab.panels.laboratory_plots import Overlay
 from app.viewer.lab.panels.run_panel import describe_time_line
 from app.viewer.lab.panels.tracks_panel import OVER, describe_tracks
 from app.viewer.measuring.kept_runs import KeptRuns
+from app.viewer.run import tracks_run
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.stored_tracks import (
@@ -239,6 +240,38 @@ def test_parameters_of_the_model_can_be_changed_and_stay_when_one_goes_back(simu
     assert simulation.run.model.parameters.r_r == 0.4
     with pytest.raises(InputError, match="Couzin's zones: r_r = -1"):
         simulation.set("r_r", -1.0, beside=True).result(60)
+
+
+def test_a_model_that_takes_long_comes_as_far_as_a_second_allows(simulate, played, monkeypatch):
+    monkeypatch.setattr(tracks_run, "LONGEST", -1.0)
+    simulation = simulate(started(played, "couzin"))
+    simulation.time_line.seek(START + 60).result(60)
+    until(lambda: simulation.frame.tick == START + tracks_run.KEPT)
+    assert simulation.state.line.sought == START + 60
+    simulation.time_line.seek(START + 60).result(60)
+    until(lambda: simulation.frame.tick == START + 2 * tracks_run.KEPT)
+
+
+def test_what_is_kept_of_a_model_is_bounded(simulate, played, monkeypatch):
+    monkeypatch.setattr(tracks_run, "KEPT", 1)
+    monkeypatch.setattr(tracks_run, "MEMORY", 20_000)
+    simulation = simulate(started(played, "couzin"))
+    end = seek_until(simulation, FRAMES - 1)
+    kept = simulation.run.kept
+    assert len(kept) < 20
+    assert kept[0][0] == START
+    assert simulation.run.apart > 1
+    seek(simulation, START + 3)
+    assert np.array_equal(seek_until(simulation, FRAMES - 1), end)
+
+
+def test_tracks_without_their_file_are_no_run(simulate, played):
+    simulation = simulate(StoredTracks(played))
+    before = simulation.state.run
+    simulation.setup(played.spec).result(60)
+    until(lambda: not simulation.notices.empty())
+    assert "open their file again" in simulation.notices.get()
+    assert simulation.state.run == before
 
 
 def test_curves_of_both_go_over_the_same_seconds(simulate, played):
