@@ -210,7 +210,7 @@ BUILT_IN = [
 
 
 TRACKED = (
-    "polarisation", "angular-momentum", "divergence", "individuals-seen", "nearest-neighbour"
+    "polarisation", "angular-momentum", "divergence", "number-seen", "nearest-neighbour"
 )  # fmt: skip
 """What tells of tracks: how ordered and how dense those seen are, and how many are seen."""
 PLAYED = {
@@ -218,6 +218,15 @@ PLAYED = {
     for rule in (tracked.METRES, tracked.PIXELS, tracked.LENGTHS)
 }
 """Models of what is played and not run, by name: found by it, and offered nowhere."""
+
+
+def short_name(name: str) -> str:
+    """What a model is called in a table: tracks are tracks, whatever their unit.
+
+    >>> short_name("tracks-px"), short_name("vem")
+    ('tracks', 'vem')
+    """
+    return tracked.METRES.name if name in PLAYED else name
 
 
 class ModelCatalogue(dict[str, Model]):

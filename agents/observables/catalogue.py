@@ -330,7 +330,7 @@ FLIGHT = [
 ]
 TRACKS = [
     Observable(
-        "individuals-seen",
+        "number-seen",
         "Individuals of tracks that are seen",
         "agents",
         COUNT,

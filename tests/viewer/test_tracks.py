@@ -94,8 +94,8 @@ def test_tracks_are_played_to_their_end_and_stop_there(simulate, played):
     until(lambda: simulation.frame.tick == FRAMES - 1)
     last = played.at(FRAMES - 1)
     assert np.array_equal(simulation.frame.position, last.position)
-    assert simulation.readings.values["individuals-seen"] == COUNT - 1
-    at, values = simulation.readings.series("individuals-seen").arrays()
+    assert simulation.readings.values["number-seen"] == COUNT - 1
+    at, values = simulation.readings.series("number-seen").arrays()
     assert at[-1] == FRAMES - 1
     assert values[-1] == COUNT - 1
 
@@ -139,7 +139,7 @@ def test_order_of_too_few_is_not_told(simulate):
     seek(simulation, 50)
     until(lambda: "polarisation" in simulation.readings.values)
     seek(simulation, 70)
-    until(lambda: simulation.readings.values.get("individuals-seen") == 4.0)
+    until(lambda: simulation.readings.values.get("number-seen") == 4.0)
     assert "polarisation" not in simulation.readings.values
     assert simulation.readings.series("polarisation").recorded()[0].max() < 60
     pair = ring_tracks().individuals([0, 1])

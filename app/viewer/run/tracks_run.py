@@ -288,7 +288,7 @@ class ModelBesideTracks(TracksRun):
         is_over = self.stored.start.is_over
         dt, unit = self.model.clock
         other = replace(other, title=self.model.model.title, dt=dt, unit=unit)
-        return replace(frame, title=self.stored.name, beside=other, is_over=is_over)
+        return replace(frame, title=self.flock.model.title, beside=other, is_over=is_over)
 
     def allowed(self, name: str, value: Any, beside: bool = False) -> Any:
         """The value nearest to the wanted one that keeps zones in order."""

@@ -67,7 +67,7 @@ def test_observables_are_of_those_who_are_seen():
     tracks = ring_tracks()
     played = PlayedTracks(tracks)
     now = played.at(GAP.start + 3)
-    assert shown(played, "individuals-seen", GAP.start + 3) == COUNT - 1
+    assert shown(played, "number-seen", GAP.start + 3) == COUNT - 1
     heading = now.heading[now.seen]
     assert shown(played, "polarisation", GAP.start + 3) == pytest.approx(
         float(np.linalg.norm(heading.mean(axis=0)))
@@ -92,7 +92,7 @@ def test_a_flock_of_tracks_is_put_where_they_are_and_says_nothing_of_walls():
     assert flock.warning == ""
     assert flock.stray() is None
     flock.return_to(played.at(50))
-    assert flock.observe("individuals-seen") == COUNT - 1
+    assert flock.observe("number-seen") == COUNT - 1
     assert flock.tick == 50
 
 
@@ -198,4 +198,4 @@ def test_one_individual_and_one_frame_are_enough(dim):
     assert np.isfinite(now.heading).all()
     assert now.seen.all()
     assert min(played.world.size) > 0.0
-    assert played.flock().observe("individuals-seen") == 1.0
+    assert played.flock().observe("number-seen") == 1.0
