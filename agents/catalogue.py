@@ -220,10 +220,10 @@ PLAYED = {
 """Models of what is played and not run, by name: found by it, and offered nowhere."""
 
 
-def short_name(name: str) -> str:
+def short_model_name(name: str) -> str:
     """What a model is called in a table: tracks are tracks, whatever their unit.
 
-    >>> short_name("tracks-px"), short_name("vem")
+    >>> short_model_name("tracks-px"), short_model_name("vem")
     ('tracks', 'vem')
     """
     return tracked.METRES.name if name in PLAYED else name

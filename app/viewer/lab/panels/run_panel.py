@@ -8,7 +8,7 @@ import time
 
 import viser
 
-from agents.catalogue import MODELS, PLAYED, short_name
+from agents.catalogue import MODELS, PLAYED, short_model_name
 from app.front.controls import set_value
 from app.front.viser_internals import control_loop
 from app.viewer.gallery.saved_scene import SavedScene
@@ -115,7 +115,7 @@ def status(state: SimulationState, mend: str = "Press Setup.", title: str = "") 
         why = html.escape(state.error)
         return f'<div class="fs-error"><b>Stopped.</b> {why}<br>{mend}</div>'
     model, beside = state.models
-    words = MODELS[model].title if beside is None else f"{short_name(model)} beside {beside}"
+    words = MODELS[model].title if beside is None else f"{short_model_name(model)} beside {beside}"
     told = "" if state.busy else f" · {html.escape(words)}"
     line = state.line
     colour, words = GREY, "paused"
