@@ -115,6 +115,17 @@ def test_a_frame_says_who_is_seen_and_who_is_hollow(simulate, played):
     )
 
 
+def test_speeds_of_pixels_are_in_pixels(simulate):
+    played = PlayedTracks(ring_tracks("px"))
+    simulation = simulate(StoredTracks(played))
+    assert simulation.frame.pace_unit == "px/s"
+    simulation.set_request(FrameRequest(row=0))
+    until(lambda: simulation.frame.inspected is not None)
+    told = facts(simulation.frame, simulation.frame.inspected)
+    assert told["speed"].endswith(" px/s")
+    assert "position (px)" in told
+
+
 def test_nothing_in_tracks_can_be_changed_but_what_counts_as_near(simulate, played):
     simulation = simulate(StoredTracks(played))
     with pytest.raises(InputError, match="Start a model here"):

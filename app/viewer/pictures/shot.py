@@ -156,6 +156,7 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
         hollow=now.hollow,
         usual=now.usual,
         apart=now.apart,
+        length_unit="m" if now.seen is None else now.model.in_units("length"),
         form=now.model.rule.form,
         cars=cars(anyone),
     )

@@ -82,6 +82,7 @@ class TracksCamera(FrameBuilder):
             names=played.tracks.ids,
             usual=played.usual,
             apart=played.spacing,
+            length_unit=played.length_unit,
         )
 
     def inspect(self) -> None:

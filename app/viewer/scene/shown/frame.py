@@ -170,6 +170,8 @@ class Frame:
     """Of tracks, how many are seen at a time as a rule; 0: everybody always is."""
     apart: float = float("inf")
     """Of tracks, the median distance to the nearest other, length."""
+    length_unit: str = "m"
+    """Unit of lengths, where time is in s: of tracks perhaps px."""
     names: tuple[str, ...] = ()
     """(N,): of tracks, what individuals are called in their file; empty: by their numbers."""
     is_over: bool = False
@@ -235,4 +237,4 @@ class Frame:
     @property
     def pace_unit(self) -> str:
         """Unit of speeds, in words."""
-        return "per tick" if self.unit == "ticks" else f"m/{self.unit}"
+        return "per tick" if self.unit == "ticks" else f"{self.length_unit}/{self.unit}"
