@@ -152,10 +152,28 @@ def test_order_of_too_few_is_not_told(simulate):
     seek(simulation, 70)
     until(lambda: simulation.readings.values.get("number-seen") == 4.0)
     assert "polarisation" not in simulation.readings.values
-    assert simulation.readings.series("polarisation").recorded()[0].max() < 60
+    at, values = simulation.readings.series("polarisation").recorded()
+    assert np.isnan(values[at > 60]).all()
+    assert np.isfinite(values[at == 50]).all()
     pair = ring_tracks().individuals([0, 1])
     alone = simulate(StoredTracks(PlayedTracks(pair)))
     assert "polarisation" in alone.readings.values  # there are never more
+
+
+def test_curves_have_a_gap_where_much_is_left_out(simulate, played):
+    simulation = simulate(StoredTracks(played))
+    for tick in (0, 5, 100):
+        seek(simulation, tick)
+        until(lambda: simulation.time_line.moved is None)
+    at, values = simulation.readings.series("number-seen").arrays()
+    assert np.isnan(values[(at > 5) & (at < 100)]).any()
+    content = Overlay((simulation.readings,), KeptRuns(), math.inf).chart_contents(
+        ("number-seen",), keyed=False
+    )
+    curve = next(curve for curve in content.curves if curve.label)
+    assert np.isnan(curve.values).any()
+    assert np.isfinite(curve.values[[0, -1]]).all()
+    assert math.isfinite(simulation.readings.over("susceptibility"))
 
 
 def test_an_individual_is_inspected_without_a_rule(simulate, played):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,7 +15,7 @@ from agents.observables.catalogue import OBSERVABLES, is_compared, is_tracked
 from agents.snapshot import Snapshot
 from app.tracks.playing.played_tracks import FEWEST, PlayedFlock, TracksSnapshot
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.time_series import refuse_too_dense
+from app.viewer.measuring.time_series import TimeSeries, refuse_too_dense
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
 from app.viewer.run.paired_run import naming_errors
@@ -31,6 +32,8 @@ OF_FEW = frozenset(
 """What says something of few individuals too."""
 MEMORY = 64 * 2**20
 """Bytes of a model's earlier ticks that are kept, to go back to."""
+FAR = 0.25
+"""The share of the tracks that is left out at once, from which on curves have a gap there."""
 KEPT = 20
 """Ticks of the tracks between two that are kept, at first."""
 LONGEST = 1.0
@@ -59,9 +62,19 @@ class TracksReadings(FlockReadings):
         super().read_cheap()
         self.values = self.blank(self.values)
 
+    def series(self, name: str) -> TimeSeries:
+        """How an observable went, with gaps."""
+        return self.all_series.setdefault(name, TimeSeries(gaps=True))
+
     def add_values(self, tick: int, values: dict[str, float]) -> None:
-        """Take values into their time series."""
-        super().add_values(tick, self.blank(values))
+        """Take values into their time series; where too few are seen there is a gap."""
+        missing = dict.fromkeys(values, math.nan)
+        super().add_values(tick, missing | self.blank(values))
+
+    def break_curves(self, tick: int) -> None:
+        """Have curves end at a tick: what comes next is far from it."""
+        for series in self.all_series.values():
+            series.add(tick, math.nan)
 
 
 @dataclass
@@ -136,6 +149,15 @@ class TracksRun(Playback):
             restore_snapshot(self.flock, snapshot)
             self.flock.seen, self.flock.hollow = snapshot.seen, snapshot.hollow
         self.clock = tick
+
+    def seek(self, tick: int) -> None:
+        """Go to a tick; curves have a gap where much is left out."""
+        before = self.flock.tick
+        super().seek(tick)
+        if self.flock.tick - before > FAR * (self.last - self.first):
+            for run in self.both:
+                if isinstance(run.readings, TracksReadings):
+                    run.readings.break_curves(before + 1)
 
     def demand_change(self, name: str = "", beside: bool = False) -> None:
         """Raise InputError for a change of anything but what counts as near."""
