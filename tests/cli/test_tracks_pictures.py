@@ -87,3 +87,8 @@ def test_a_tick_that_is_not_there_is_named(table, tmp_path):
     line = refusal("picture", "--tracks", table, *HOW, "--tick", FRAMES + 5,
                    "--out", tmp_path / "a.png")  # fmt: skip
     assert f"tick = {FRAMES + 5} is not in ring.csv" in line
+
+
+@pytest.mark.parametrize("command", ["run", "lab", "picture"])
+def test_tracks_are_no_model_to_run(command):
+    assert "tracks-px is no model to run: flockscope lab --tracks" in refusal(command, "tracks-px")
