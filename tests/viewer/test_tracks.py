@@ -260,6 +260,14 @@ def test_divergence_is_the_mean_distance_of_those_who_are_paired_and_seen(simula
     assert simulation.readings.values["divergence"] > 0.1
 
 
+def test_agents_of_the_model_are_as_large_as_the_individuals(simulate):
+    played = PlayedTracks(ring_tracks().individuals([0, 1, 2]))
+    simulation = simulate(started(played, "couzin"))
+    frame = simulation.frame
+    sizes = {picture(one, DrawingStyle(), Stage.of(one)).length for one in (frame, frame.beside)}
+    assert len(sizes) == 1
+
+
 def test_parameters_of_the_model_can_be_changed_and_stay_when_one_goes_back(simulate, played):
     simulation = simulate(started(played, "couzin"))
     seek(simulation, START + 20)

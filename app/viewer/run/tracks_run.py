@@ -310,7 +310,14 @@ class ModelBesideTracks(TracksRun):
         assert self.stored.start is not None
         is_over = self.stored.start.is_over
         dt, unit = self.model.clock
-        other = replace(other, title=self.model.model.title, dt=dt, unit=unit)
+        other = replace(
+            other,
+            title=self.model.model.title,
+            dt=dt,
+            unit=unit,
+            usual=frame.usual,
+            apart=frame.apart,
+        )
         return replace(frame, title=self.flock.model.title, beside=other, is_over=is_over)
 
     def allowed(self, name: str, value: Any, beside: bool = False) -> Any:

@@ -193,7 +193,7 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     if frame.room is None:
         common = dart_length(count, stage.half)
         fraction = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
-        if frame.seen is not None:
+        if np.isfinite(frame.apart):
             least = LEAST_LENGTH * stage.side
             return float(min(common, max(least, TRACKED * frame.apart * stage.scale)))
         return float(np.clip(fraction, 0.5 * common, common))

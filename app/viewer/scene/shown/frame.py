@@ -167,7 +167,8 @@ class Frame:
     hollow: np.ndarray | None = None
     """(N,) bool: of tracks, who is drawn at its last place, hollow; nobody else who is not seen."""
     usual: int = 0
-    """Of tracks, how many are seen at a time as a rule; 0: everybody always is."""
+    """Of tracks, how many are seen at a time as a rule; 0: everybody always is. As `apart`, it says
+    how large they are drawn, and the agents of a model beside them."""
     apart: float = float("inf")
     """Of tracks, the median distance to the nearest other, length."""
     length_unit: str = "m"
