@@ -48,6 +48,7 @@ from agents.rules import (
     safe_zones,
     squashing,
     topological,
+    tracked,
     vasarhelyi,
     vicsek,
     vicsek1995,
@@ -208,8 +209,32 @@ BUILT_IN = [
 ]
 
 
+TRACKED = (
+    "polarisation", "angular-momentum", "divergence", "number-seen", "nearest-neighbour"
+)  # fmt: skip
+"""What tells of tracks: how ordered and how dense those seen are, and how many are seen."""
+PLAYED = {
+    rule.name: Model(rule, tracked.BODY, world="open", tells=TRACKED)
+    for rule in (tracked.METRES, tracked.PIXELS, tracked.LENGTHS)
+}
+"""Models of what is played and not run, by name: found by it, and offered nowhere."""
+
+
+def short_model_name(name: str) -> str:
+    """What a model is called in a table: tracks are tracks, whatever their unit.
+
+    >>> short_model_name("tracks-px"), short_model_name("vem")
+    ('tracks', 'vem')
+    """
+    return tracked.METRES.name if name in PLAYED else name
+
+
 class ModelCatalogue(dict[str, Model]):
-    """Models by name, which a notebook shows as a table."""
+    """Models by name, which a notebook shows as a table. Those that are `PLAYED` answer to their
+    names too, and are not among them."""
+
+    def __missing__(self, name: str) -> Model:
+        return PLAYED[name]
 
     def __repr__(self) -> str:
         return f"<{len(self)} models: {', '.join(self)}>"
@@ -289,6 +314,8 @@ def model(name: str) -> Model:
     for a rule that cannot drive cars. A name is never that of a file, which would be run: names
     come from browsers and from specs of others too.
     """
+    if name in PLAYED:
+        return PLAYED[name]
     rule = name.removesuffix(ON_WHEELS)
     if name not in MODELS and rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
         MODELS[name] = drive_on_wheels(MODELS[rule].rule)

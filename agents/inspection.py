@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -65,6 +66,10 @@ class Inspection:
     """Whether these points count now."""
     model: Model | None = None
     """What it is of: the words and units of its signals."""
+    name: str = ""
+    """What it is called in a file; empty: it has its number only."""
+    known: Mapping[str, str] = field(default_factory=dict)
+    """What else is to be told of it, words -> value."""
 
 
 def as_me(flock: FlockState, row: int, signals: np.ndarray) -> Me:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -36,6 +37,18 @@ class FlockState:
     arrays: Arrays
     tick: int
     seed: int
+    seen: np.ndarray | None = None
+    """Of tracks that are played: which individuals are seen at this tick, (N,) bool. None: all."""
+    hollow: np.ndarray | None = None
+    """Of these: who is in a gap between two times that it is seen, (N,) bool; it has its last
+    place."""
+    usual: int = 0
+    """Of these: how many are seen at a time as a rule."""
+    apart: float = math.inf
+    """Of these: the median distance to the nearest other, length."""
+    paired: np.ndarray | None = None
+    """The places (N, dim) of the agents of another flock, with which these are compared one by one;
+    NaN for those that are not. None: there is no such flock."""
 
     @property
     def position(self) -> np.ndarray:

@@ -1,10 +1,9 @@
 """How long tracks take to be read: 100 individuals in 3000 frames, for each format.
 
-    uv run python benchmarks/read_tracks.py [--only petrack,sleap] [--individuals 100] [--frames 3000]
+    uv run python benchmarks/read_tracks.py [--only petrack,sleap] [--individuals 100]
 
-Seconds by the clock, the best of three, files in the cache of the disk, and how many places a second
-that is. One in twenty places is a gap. Wanted: less than a second each. `CASES` is a list of names
-and functions that prepare what is timed: others add theirs.
+Seconds by the clock, the best of three, files in the cache of the disk, and how many places a
+second that is. One in twenty places is a gap. Wanted: less than a second each.
 """
 
 from __future__ import annotations

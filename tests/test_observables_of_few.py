@@ -60,6 +60,7 @@ ONE = {
 """What a lone agent has, whatever it is and wherever; the rest depends on its world."""
 MAY_BE_NAN = {
     "correlation-length", "crashes", "goal-distance", "following", "drag-saved", "energy-saved",
+    "divergence",
 }  # fmt: skip
 """What a flock of two may lack."""
 

@@ -146,10 +146,10 @@ class Model:
     def in_units(self, unit: str) -> str:
         """A unit of an observable or an option in the model's own: m, s where its paper has them.
 
-        A length stays a length where the paper names no unit of it.
+        A length stays a length where the paper names no unit of it; that of tracks may be px.
         """
         own = {declaration.unit for declaration in declared(self.parameters)}
-        length = "m" if "m" in own else "length"
+        length = next((unit for unit in ("m", "px") if unit in own), "length")
         if unit == "time":
             return self.body.unit
         time = "tick" if self.body.unit == "ticks" else self.body.unit

@@ -62,6 +62,16 @@ def saves(flock) -> bool:
     return SAVED in flock.model.columns
 
 
+def is_tracked(flock) -> bool:
+    """Whether its agents are individuals of tracks, of which not all are seen all the time."""
+    return flock.seen is not None
+
+
+def is_compared(flock) -> bool:
+    """Whether each of its agents has its counterpart in another flock."""
+    return flock.paired is not None
+
+
 ORDER = [
     Observable(
         "polarisation",
@@ -318,8 +328,31 @@ FLIGHT = [
         saves_power=True,
     ),
 ]
+TRACKS = [
+    Observable(
+        "number-seen",
+        "Individuals of tracks that are seen",
+        "agents",
+        COUNT,
+        lambda flock: float(len(flock.ids)),
+        quick=True,
+        applies=is_tracked,
+        card=MonitorCard("seen now"),
+    ),
+    Observable(
+        "divergence",
+        "Mean distance of individuals from their counterparts in a model",
+        "length",
+        LENGTH,
+        of_flocks.divergence,
+        quick=True,
+        applies=is_compared,
+        card=MonitorCard("divergence"),
+    ),
+]
 BUILT_IN = {
-    observable.name: observable for observable in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT]
+    observable.name: observable
+    for observable in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT, *TRACKS]
 }
 
 

@@ -143,3 +143,15 @@ def energy_saved(flock, induced: float = INDUCED) -> float:
     `induced` is the share of the power that goes into induced drag, in [0, 1]. nan as `drag_saved`.
     """
     return induced * drag_saved(flock)
+
+
+def divergence(flock) -> float:
+    """Mean distance from each agent to its counterpart in the flock that it is compared with,
+    length; NaN where there is no pair."""
+    if flock.paired is None:
+        return math.nan
+    world = flock.world
+    apart = neighbours.separation(flock.position, flock.paired, world.size, world.images)
+    distance = np.linalg.norm(apart, axis=1)
+    distance = distance[np.isfinite(distance)]
+    return float(distance.mean()) if len(distance) else math.nan

@@ -16,6 +16,7 @@ from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.options.run_arguments import (
     GivenOptions,
+    demand_alone,
     demand_parameters,
     is_file,
     option_name,
@@ -23,6 +24,15 @@ from app.cli.options.run_arguments import (
     with_options,
 )
 from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port, announce
+from app.cli.options.tracks_options import (
+    Origin,
+    Rate,
+    Scale,
+    TracksFile,
+    Unit,
+    demand_tracks,
+    played_tracks,
+)
 from app.cli.terminal.progress import StopSignals, exit_process
 from app.cli.terminal.usage import Rules, first_of, model_name
 from app.front.origin import parse_allowed_host
@@ -34,6 +44,7 @@ from worlds.input_error import InputError, unknown
 if TYPE_CHECKING:
     from app.viewer.gallery.saved_scene import SavedScene
     from app.viewer.run.stored_flock import StoredFlock
+    from app.viewer.run.stored_tracks import StoredTracks
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
@@ -73,6 +84,11 @@ def lab(
         list[str] | None,
         typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
     ] = None,
+    tracks: TracksFile = None,
+    rate: Rate = None,
+    unit: Unit = None,
+    scale: Scale = None,
+    origin: Origin = None,
     speed: Annotated[float | None, typer.Option(min=0.1, help="Ticks per second at first.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Threads for a large flock.")] = 1,
     runs: Annotated[
@@ -98,7 +114,26 @@ def lab(
     demand_runs(runs)
     if lesson is not None:
         scene = lesson_scene(lesson, scene, file)
-    opened = open_argument(file, scene, model, beside, options, set)
+    reading = {"rate": rate, "unit": unit, "scale": scale, "origin": origin}
+    demand_tracks(tracks, **reading)
+    opened: SavedScene | StoredFlock | StoredTracks | None
+    if tracks is not None:
+        demand_alone(
+            "--tracks",
+            {
+                "FILE": file,
+                "MODEL": model,
+                "--scene": scene,
+                "--beside": beside,
+                "--set": set,
+                **{option_name(one): value for one, value in options.items()},
+            },
+        )
+        from app.viewer.run.stored_tracks import StoredTracks
+
+        opened = StoredTracks(played_tracks(tracks, **reading))
+    else:
+        opened = open_argument(file, scene, model, beside, options, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
     request, origins = requested_run(model, options, [])

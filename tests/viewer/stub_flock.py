@@ -84,6 +84,7 @@ class StubFlock:
         self.dt = 1.0
         self.seed = start.seed
         self.can_crash = False
+        self.seen = self.hollow = self.paired = None
         self.warning = ""
         self.active = np.ones(n, bool)
         self.crashes = Crashes(*np.empty((3, 0), int), np.empty((0, start.dim)), np.empty(0, int))
@@ -147,6 +148,8 @@ class StubFlock:
             minds=True,
             places=(),
             model=None,
+            name="",
+            known={},
         )
 
     def save(self, path) -> None:

@@ -12,8 +12,9 @@ import typer
 
 from app.cli.options.run_arguments import GivenOptions, with_options
 from app.cli.options.run_length import demand_one_length, ticks_asked
+from app.cli.options.tracks_options import Origin, Rate, Scale, TracksFile, Unit
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
-from app.cli.take.source import flock_of, is_recording, pixels, recording_of
+from app.cli.take.source import flock_of, pixels, recorded_source
 from app.cli.terminal.console import INTERRUPTED
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.terminal.progress import Progress, StopSignals
@@ -27,12 +28,15 @@ if TYPE_CHECKING:
     from agents import Flock
     from agents.recordings.recording import Recording
     from agents.snapshot import Snapshot
+    from app.tracks.playing.played_tracks import PlayedTracks
     from app.viewer.pictures.picture_camera import CameraRequest
     from app.viewer.pictures.plane import Plots
 
 LAST = 300
 """Tick at which the film of a run ends, unless another is asked for."""
 MOST_FPS = 120.0
+SPEED = 30.0
+"""Ticks of a run that a second of a film shows."""
 PAGE = ".html"
 
 
@@ -73,6 +77,11 @@ def film(
     *,
     options: GivenOptions,
     settings: Settings = None,
+    tracks: TracksFile = None,
+    rate: Rate = None,
+    unit: Unit = None,
+    scale: Scale = None,
+    origin: Origin = None,
     first: Annotated[int, typer.Option("--from", help="First tick.")] = 0,
     last: Annotated[
         int | None,
@@ -91,7 +100,12 @@ def film(
         int | None,
         typer.Option(help="Ticks between pictures. \\[default: as --speed and --fps ask for]"),
     ] = None,
-    speed: Annotated[float, typer.Option(help="Ticks that a second of the film shows.")] = 30.0,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            help="Ticks that a second of the film shows. \\[default: 30; of tracks as time went]"
+        ),
+    ] = None,
     fps: Annotated[float, typer.Option(help="Pictures a second, at most.")] = 30.0,
     out: Annotated[Path, typer.Option(help="MP4, WebM, GIF or HTML file, by its ending.")] = Path(
         "flock.mp4"
@@ -135,7 +149,7 @@ def film(
     demand_one_length(length, seconds, last)
     check_whole_number("--every", every, 1)
     for option, value, most in (("--speed", speed, 1e6), ("--fps", fps, MOST_FPS)):
-        if not 0.1 <= value <= most:
+        if value is not None and not 0.1 <= value <= most:
             raise InputError(f"{option} {value:g} is outside [0.1, {most:g}]")
     size = pixels(size_text)
     demand_renderer(renderer)
@@ -148,8 +162,9 @@ def film(
         demand_film("flockscope film")
     plot_names = names(plot) if plot else []
     taken_at: Callable[[list[int]], Iterator[Snapshot]]
-    if is_recording(spec):
-        recorded = recording_of(spec, options, settings or [], rule)
+    reading = {"rate": rate, "unit": unit, "scale": scale, "origin": origin}
+    recorded = recorded_source(spec, tracks, reading, options, settings or [], rule)
+    if recorded is not None:
         model, unit = recorded.spec.model, recorded.time_unit
         length = ticks_asked(length, seconds, model, unit, recorded.time_per_tick)
         last = last if length is None else first + length
@@ -168,6 +183,8 @@ def film(
         end = max(LAST, first) if last is None else last
         ticks, dt, taken_at = list(range(first, end + 1)), flock.dt, run_to(flock)
         agents, dim = len(flock.ids), flock.world.dim
+    if speed is None:
+        speed = SPEED if tracks is None else min(max(1.0 / dt, 0.1), 1e6)
     plan = plan_film(ticks, first, end, every, speed, fps)
     if is_page:
         plan = thin_plan(plan, agents, dim, every, quiet)
@@ -298,7 +315,9 @@ def thin_plan(plan: FilmPlan, agents: int, dim: int, every: int | None, quiet: b
     return plan
 
 
-def recorded_flock_at(recording: Recording) -> Callable[[list[int]], Iterator[Snapshot]]:
+def recorded_flock_at(
+    recording: Recording | PlayedTracks,
+) -> Callable[[list[int]], Iterator[Snapshot]]:
     """The flock at recorded ticks."""
     return lambda ticks: map(recording.at, ticks)
 

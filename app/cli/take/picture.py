@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.options.run_arguments import GivenOptions, with_options
+from app.cli.options.tracks_options import Origin, Rate, Scale, TracksFile, Unit
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
-from app.cli.take.source import flock_of, is_recording, pixels, recording_of
+from app.cli.take.source import flock_of, pixels, recorded_source
 from app.cli.terminal.console import INTERRUPTED
 from app.cli.terminal.outcome_table import as_json, print_written_files
 from app.cli.terminal.progress import Progress, run_ticks
@@ -36,9 +37,14 @@ def picture(
     *,
     options: GivenOptions,
     settings: Settings = None,
+    tracks: TracksFile = None,
+    rate: Rate = None,
+    unit: Unit = None,
+    scale: Scale = None,
+    origin: Origin = None,
     tick: Annotated[
         int | None,
-        typer.Option(help="Which tick to draw. \\[default: 100; of a recording its last]"),
+        typer.Option(help="Which tick to draw. \\[default: 100; of what is recorded the last]"),
     ] = None,
     out: Annotated[Path, typer.Option(help="PNG, SVG or PDF file, by its ending.")] = Path(
         "flock.png"
@@ -84,7 +90,12 @@ def picture(
     if camera == "round":
         raise InputError("--camera round is not allowed: a picture stands still")
     aim = camera_request(camera, follow, None, 1.0, 1)
-    now = flock_to_draw(spec, rule, options, settings or [], tick, quiet)
+    reading = {"rate": rate, "unit": unit, "scale": scale, "origin": origin}
+    recorded = recorded_source(spec, tracks, reading, options, settings or [], rule)
+    if recorded is not None:
+        now = recorded.at(tick)
+    else:
+        now = flock_to_draw(spec, rule, options, settings or [], tick, quiet)
     from app.viewer.pictures.shot import look_of, shot
 
     frame_shot = shot(now, look_of(now, colour))
@@ -120,9 +131,7 @@ def flock_to_draw(
     tick: int | None,
     quiet: bool,
 ) -> Snapshot:
-    """The flock to draw, of a recording or of a run that is made. Raises InputError."""
-    if is_recording(spec):
-        return recording_of(spec, options, settings, rule).at(tick)
+    """The flock to draw, of a run that is made. Raises InputError."""
     flock = flock_of(spec, options, settings, rule, quiet)
     target_tick = TICK if tick is None else tick
     with Progress(f"{flock.model.name} to tick {target_tick}", quiet) as progress:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from app.cli.options.run_arguments import GivenOptions, option_name
+from app.cli.options.tracks_options import demand_tracks, played_tracks
 from app.cli.run import build_flock
 from app.cli.terminal.outcome_table import print_stderr
 from app.cli.terminal.usage import first_of, model_name
@@ -15,6 +16,7 @@ from worlds.input_error import InputError
 if TYPE_CHECKING:
     from agents import Flock
     from agents.recordings.recording import Recording
+    from app.tracks.playing.played_tracks import PlayedTracks
 
 STATES = (".parquet", ".pq")
 """Endings of recordings and saved states."""
@@ -36,6 +38,31 @@ def recording_of(what: str, options: GivenOptions, settings: list[str], rule: An
     from agents.recordings.recording import Recording
 
     return Recording(what)
+
+
+def recorded_source(
+    what: str | None,
+    tracks: str | None,
+    reading: dict[str, Any],
+    options: GivenOptions,
+    settings: list[str],
+    rule: Any,
+) -> Recording | PlayedTracks | None:
+    """What holds snapshots of a run or of tracks at ticks; None for a run that is to be made.
+
+    Raises InputError.
+    """
+    demand_tracks(tracks, **reading)
+    if tracks is None:
+        return recording_of(what, options, settings, rule) if is_recording(what) else None
+    for name, value in {**options, "set": settings or None, "rule": rule or None}.items():
+        if value is not None:
+            raise InputError(
+                f"{option_name(name)} {value} is not allowed: {tracks} is a file of tracks"
+            )
+    if what is not None:
+        raise InputError(f"{what} is not allowed with --tracks {tracks}: one source at a time")
+    return played_tracks(tracks, **reading)
 
 
 def flock_of(

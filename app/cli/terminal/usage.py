@@ -217,7 +217,12 @@ def load_rule_files(files: list[str] | None) -> list[str]:
 
 def model_name(model: str | None) -> str | None:
     """The name of a model; a file has its rule taken into the catalogue for it. Raises
-    InputError."""
+    InputError, also for tracks, which follow no rule."""
+    if model is not None and model.startswith("tracks"):
+        from agents.catalogue import PLAYED
+
+        if model in PLAYED:
+            raise InputError(f"{model} is no model to run: flockscope lab --tracks FILE plays it")
     return load_rule_files([model])[0] if model is not None and model.endswith(".py") else model
 
 

@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import viser
 
-from agents.catalogue import MODELS
+from agents.catalogue import MODELS, PLAYED
 from agents.flock import Flock
+from agents.observables.catalogue import default_charts
 from agents.observables.of_agents import measurable
 from agents.spec import CompleteSpec, Spec
 from app.front.controls import set_value
@@ -24,7 +25,9 @@ from app.front.server import admit_browsers, close_server, front_of, on_browser_
 from app.front.uploads import accept_uploads
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.fits.fit_worker import TracksFit
 from app.viewer.lab.panels.downloads import Downloads, SceneFiles
+from app.viewer.lab.panels.fit_panel import FitPanel
 from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS, CrashLists, contents
 from app.viewer.lab.panels.flock_view import FlockView
 from app.viewer.lab.panels.inspector import Inspector
@@ -39,6 +42,7 @@ from app.viewer.lab.panels.runs_panel import RunsPanel
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.step_progress import LessonLead
 from app.viewer.lab.panels.sweep_panel import SweepPanel
+from app.viewer.lab.panels.tracks_panel import TracksPanel
 from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
 from app.viewer.lab.runs_file import ReadRuns, RunsFile
@@ -46,6 +50,7 @@ from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepRequestHandler, Sweeps, refuse_sweeps
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRuns
+from app.viewer.measuring.observable_curves import chart_title
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.sending import ExportPermit
@@ -58,12 +63,14 @@ from app.viewer.run.run_preset import drawing_defaults, lively_speed, preset_spe
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.run.stored_flock import LARGEST, InitialState
+from app.viewer.run.stored_tracks import StoredTracks
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.frame_interpolator import FrameInterpolator
+from worlds.input_error import InputError
 
 FROM_THE_START = ", from tick 0"
 UNWATCHED = 600.0
@@ -120,7 +127,7 @@ class Laboratory:
         self.shown_scene = scene
         if opened is not None:
             spec, speed = opened.spec, speed or opened.speed
-            beside = None if scene is None else scene.beside
+            beside = getattr(opened, "beside", None)
         spec = spec or preset_spec()
         self.simulation = Simulation(
             spec,
@@ -145,6 +152,8 @@ class Laboratory:
         self.between = FrameInterpolator()
         self.pointing: tuple[int, str] | None = None
         """After which run, and to what, all cameras are to be pointed."""
+        self.charted: tuple[int, StoredTracks] | None = None
+        """After which run charts are to show what tells most of tracks, and of which."""
         self.waits = running and waits
         self.watched_at = time.monotonic()
         """When it was watched last, s of the monotonic clock."""
@@ -152,9 +161,12 @@ class Laboratory:
         """Whether it stands since nobody watched, and nobody has been told."""
         self.runs_file = runs
         self.sweeps: Sweeps | None = None
+        self.fit: TracksFit | None = None
+        self.fit_panel: FitPanel | None = None
         self.sweep: SweepPanel | None = None
         if allowance is None or allowance.sweeps:
             self.sweeps = Sweeps(results, lambda: self.browsers() > 0)
+            self.fit = TracksFit(results, self.simulation.news.set)
         self.furnish()
         self.requests = SceneRequests(front_of(self.server), self)
         self.runs.listen(self.requests)
@@ -165,6 +177,8 @@ class Laboratory:
         self.take_uploads()
         if scene is not None:
             self.look_at(scene)
+        elif isinstance(opened, StoredTracks):
+            self.charted = -1, opened
         self.drawing = Drawing(
             self.scene,
             self.latest,
@@ -198,6 +212,8 @@ class Laboratory:
         if going:
             line = f"the sweep {going} goes on; `flockscope sweep stop {going}` ends it"
             print(line, file=sys.stderr)
+        if self.fit is not None:
+            self.fit.close()
         self.drawing.close()
         self.simulation.close()
         self.plots.runs.close()
@@ -219,16 +235,28 @@ class Laboratory:
             self.setup = SetupPanel(gui, state)
         with tabs.add_tab("World"):
             self.world = WorldPanel(self.server, self.simulation, self.scene.handles.show)
+        tell = self.simulation.notices.put
         with tabs.add_tab("View"):
             self.view = FlockView(gui, drawing_defaults(state.spec), self.point)
-        tell = self.simulation.notices.put
         if self.sweeps is not None:
             with tabs.add_tab("Sweep"):
                 self.sweep = SweepPanel(gui, marks, self.sweeps, self.simulation, tell)
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
-            self.saving = SceneFiles(gui, self.now, self.open, tell, self.allowance)
+            self.saving = SceneFiles(
+                gui,
+                self.now,
+                self.open,
+                tell,
+                lambda name, content: self.tracks.read(name, content),
+                self.allowance,
+            )
             self.lesson_form = LessonForm(gui, self.now, self.take_steps, tell)
+        with tabs.add_tab("Tracks"):
+            self.tracks = TracksPanel(gui, self.simulation, self.open_tracks, tell, self.allowance)
+        if self.fit is not None:
+            with tabs.add_tab("Fit"):
+                self.fit_panel = FitPanel(gui, self.fit, self.tracks, self.shown_tick, tell)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
             self.lesson = LessonPanel(
@@ -333,6 +361,9 @@ class Laboratory:
             self.plots.runs.take(opened.runs)
             self.simulation.notices.put(opened.told("the file"))
             return
+        if isinstance(opened, StoredTracks):
+            self.open_tracks(opened, True)
+            return
         if self.allowance is not None:
             stored = None if isinstance(opened, SavedScene) else opened
             self.allowance.demand(opened.spec, getattr(opened, "beside", None), stored)
@@ -352,6 +383,36 @@ class Laboratory:
             self.look_at(opened)
             self.simulation.setup(opened.spec, opened.beside)
         self.simulation.go()
+
+    def open_tracks(self, stored: StoredTracks, is_new: bool) -> None:
+        """Play tracks in all browsers, or others of them, with a model or without. Raises
+        InputError."""
+        if self.allowance is not None:
+            self.allowance.demand(stored.spec, stored.beside, stored)
+        self.waits = False
+        self.parameters.expect_scene()
+        self.select(None)
+        self.shown_scene = None
+        self.charted = self.simulation.state.run, stored
+        if is_new:
+            self.run.pace(stored.speed, is_exact=True)
+            self.scene.open_on("")
+            self.pointing = self.simulation.state.run, ""
+        elif stored.start is None or not stored.start.is_over:
+            self.pointing = self.simulation.state.run, ""
+        self.simulation.open(stored)
+        self.simulation.go()
+
+    def shown_tick(self) -> int:
+        """The tick of the frame that is there; 0 before the first one."""
+        frame = self.simulation.frame
+        return 0 if frame is None else frame.tick
+
+    def chart_tracks(self, stored: StoredTracks, readings: FlockReadings) -> None:
+        """Have the charts show what tells most of tracks, or of a model that is compared."""
+        model = stored.recording.model
+        charts = default_charts(model, readings.offered)
+        self.plots.asked = model, tuple(map(chart_title, charts))
 
     def take_rule(self, path: Path) -> None:
         """Have the flock go on under what the file of a rule says now; what is wrong is told."""
@@ -392,8 +453,13 @@ class Laboratory:
         self.plots.asked = model, (observable,)
 
     def now(self, title: str = "") -> SavedScene:
-        """The run, with the parameters as they are now, and the view, as a scene."""
+        """The run, with the parameters as they are now, and the view, as a scene. Raises InputError
+        for tracks."""
         state, before = self.simulation.state, self.told_scene()
+        if state.spec.model in PLAYED:
+            raise InputError(
+                "a scene holds a model and no tracks: open the file of tracks again instead"
+            )
         if before is not None and self.pointing is not None and state.run <= self.pointing[0]:
             return replace(before, title=title or before.title)  # it is about to be set up
         spec, beside = state.current_specs()
@@ -537,6 +603,9 @@ class Laboratory:
         self.time_line.refresh(state, self.simulation.frame)
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
+        self.tracks.refresh(state)
+        if self.fit_panel is not None:
+            self.fit_panel.refresh(state)
         self.parameters.refresh(state)
         self.rule_source.refresh(state.spec.model)
         if self.sweep is not None:
@@ -571,6 +640,9 @@ class Laboratory:
 
     def measure(self, state: SimulationState, frame: Frame, readings: FlockReadings) -> None:
         """Show what has been measured, and say what is to be."""
+        if self.charted is not None and frame.run > self.charted[0]:
+            (_, stored), self.charted = self.charted, None
+            self.chart_tracks(stored, readings)
         beside = None if frame.beside is None else self.simulation.readings_beside
         self.plots.refresh(readings, frame, beside)
         self.runs.refresh(self.plots.runs.going)

@@ -89,7 +89,11 @@ class SceneRequests:
 
     def take(self, _: Request) -> web.Response:
         """The run as it is now, in all the ways in which it can be taken along."""
-        scene = self.laboratory.now()
+        try:
+            scene = self.laboratory.now()
+        except InputError as refusal:
+            said = {"title": "Tracks", "address": str(refusal), "python": f"# {refusal}"}
+            return web.json_response(said | {"command": "flockscope lab --tracks FILE"})
         try:
             address = f"?scene={quote(pack_scene(scene))}"
         except InputError as refusal:

@@ -325,6 +325,7 @@ class FlockReadings:
         take = OBSERVABLES[name].over
         if take is None:
             raise InputError(f"{name} is not measured over a run")
+        series = series[np.isfinite(series)]  # those of tracks have gaps
         crashed = 0 if self.crashes is None else len(self.crashes)
         return take(series, float(len(self.flock.ids) - crashed)) if len(series) > 1 else math.nan
 

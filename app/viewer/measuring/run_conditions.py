@@ -44,10 +44,13 @@ class RunConditions:
     """The run as it was asked for; its parameters and its world may be others by now."""
     by_hand: bool = False
     """Whether somebody has put agents elsewhere."""
+    clock_unit: str = ""
+    """The unit of `dt` where that is not the model's own: a model beside tracks goes by theirs."""
 
     @classmethod
     def of(cls, flock: Flock, by_hand: bool = False) -> RunConditions:
         """Those of a flock, with its parameters as they are now."""
+        dt, unit = getattr(flock, "clock", (flock.dt, ""))
         return cls(
             flock.model,
             flock.seed,
@@ -55,15 +58,16 @@ class RunConditions:
             flock.world,
             flock.options.chosen,
             flock.parameters.model_dump(),
-            flock.dt,
+            dt,
             flock.options,
             by_hand,
+            unit,
         )
 
     @property
     def unit(self) -> str:
         """That of its time: ticks, or s."""
-        return self.model.body.unit
+        return self.clock_unit or self.model.body.unit
 
     @property
     def values(self) -> dict[str, Any]:

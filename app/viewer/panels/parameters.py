@@ -13,7 +13,7 @@ from typing import Any
 
 import viser
 
-from agents.catalogue import MODELS
+from agents.catalogue import MODELS, PLAYED
 from agents.models.declare import DeclaredParameter, NumberParameter, Parameters, declared
 from agents.models.model import Model
 from app.viewer.panels.dials import Dials, decimals, plain_symbol, step_of
@@ -25,6 +25,7 @@ from app.viewer.run.simulation_state import SimulationState
 from worlds.input_error import InputError
 
 UNDO, ALL_BACK = "Undo", "All back"
+OF_TRACKS = "Tracks follow no rule. The tab Tracks starts a model from their places."
 REMEMBERED = 100
 """Changes that can be undone."""
 
@@ -86,17 +87,19 @@ class ParametersPanel:
                 self.begun = dict(state.values)
                 self.rebuild(state)
         self.follow_flock(state)
+        is_played = state.spec.model in PLAYED
         fixed = state.line is not None and (bool(state.line.recording) or state.line.looks_back)
         idle = MODELS[state.spec.model].idle(state.values)
         for controls in (self.controls, self.beside_controls):
+            stands = fixed and not (is_played and controls is self.beside_controls)
             for name, control in controls.items():
-                if control.disabled != (fixed or name in idle):
-                    control.disabled = fixed or name in idle
-        own = declared(MODELS[state.spec.model].parameters)
+                if control.disabled != (stands or name in idle):
+                    control.disabled = stands or name in idle
+        own = () if is_played else declared(MODELS[state.spec.model].parameters)
         changed = [one for one in own if state.values.get(one.name) != self.begun.get(one.name)]
         text = describe_changes(changed, self.begun, state.values)
         self.changes = {one.name: self.begun[one.name] for one in changed}
-        self.back.visible = bool(self.changes or self.past) and not fixed
+        self.back.visible = bool(self.changes or self.past) and (is_played or not fixed)
         if text != self.changed.content:
             self.changed.content = text
         self.dials.refresh()
@@ -157,8 +160,12 @@ class ParametersPanel:
         others = () if beside is None else declared(MODELS[beside].parameters)
         values, beside_values = state.values, state.beside_values or {}
         self.controls, self.beside_controls, self.followed = {}, {}, {}
+        if name in PLAYED:
+            own = ()
         with self.folder:
-            if beside is not None:
+            if name in PLAYED and beside is None:
+                self.gui.add_html(block(f'<div class="fs-quiet">{html.escape(OF_TRACKS)}</div>'))
+            elif beside is not None and name not in PLAYED:
                 self.gui.add_html(block('<div class="fs-quiet">These act on both models.</div>'))
             titles = "Rule", f"Body: {model.body.title}"
             for title, part in zip(titles, sides(model, own), strict=True):

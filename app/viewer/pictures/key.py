@@ -26,6 +26,8 @@ WHEEL = 180
 def title(shot: Shot) -> str:
     """The model, for people, and the one beside it if there is one."""
     beside = shot.made.frame.beside
+    if shot.made.frame.seen is not None:
+        return shot.now.world.source + (f" and {beside.title}" if beside else "")
     return shot.now.model.title + (f" beside {beside.title}" if beside else "")
 
 
@@ -34,6 +36,9 @@ def caption(shot: Shot) -> str:
     now, unit = shot.now, length_unit(shot)
     size = " × ".join(f"{side:.4g}" for side in now.world.size)
     informed = int(now.informed.sum())
+    seen = shot.made.frame.seen
+    if seen is not None:
+        return f"tracks, {size}{unit} · {int(seen.sum())} of {len(seen)} individuals seen"
     who = counted(len(now.ids) - informed, "agent")
     who += f" and {counted(informed, 'information agent')}" if informed else ""
     return f"{now.model.name} in {now.world.name}, {size}{unit} · {who} · seed {now.seed}"
@@ -42,6 +47,8 @@ def caption(shot: Shot) -> str:
 def changes(shot: Shot) -> str:
     """The parameters that are not as the model's paper has them; empty: all are."""
     values = shot.now.parameters
+    if shot.made.frame.seen is not None:
+        return ""
     found = [
         f"{one.name} = {in_short(getattr(values, one.name))}"
         + ("" if one.unit == "1" else f" {one.unit}")
@@ -59,6 +66,8 @@ def in_short(value: Any) -> str:
 def moment(shot: Shot) -> str:
     """Tick and time."""
     now, unit = shot.now, shot.now.model.body.unit
+    if shot.made.frame.seen is not None:
+        return f"{now.elapsed:.2f} s"
     return f"tick {now.tick}" + ("" if unit == "ticks" else f" · {now.elapsed:.2f} {unit}")
 
 

@@ -116,6 +116,7 @@ class Plane:
             position = self.centre_on(shot, row)
             self.ring.set_data(*position[row, :, None])
         order = np.argsort(shot.made.size, kind="stable")
+        order = order[shot.made.is_there[order]]
         if shot.made.shows_density:
             self.draw_density(shot, position)
             order = np.asarray(dart_rows(shot.made))
@@ -132,14 +133,28 @@ class Plane:
         ]
         large = self.points_of(float(np.median(shot.length))) > SEEN
         self.bodies.set_verts(placed[0])
-        self.bodies.set_facecolor(colour)
-        self.bodies.set_edgecolor("white" if large else "none")
-        self.bodies.set_linewidth(0.6 if large else 0.0)
+        outlined = shot.made.frame.outlined
+        if outlined is not None and outlined.any():
+            self.colour_hollow(colour, outlined[order], large)
+        else:
+            self.bodies.set_facecolor(colour)
+            self.bodies.set_edgecolor("white" if large else "none")
+            self.bodies.set_linewidth(0.6 if large else 0.0)
         if cars is not None:
             self.cabins.set_verts(placed[1])
             self.cabins.set_facecolor(palette.GLASS)
         goal = shot.made.frame.progress.goal
         self.goal.set_data(*(([], []) if goal is None else goal[:2, None]))
+
+    def colour_hollow(self, colour: np.ndarray, hollow: np.ndarray, large: bool) -> None:
+        """Give agents their colours (N, 3), to those that are `hollow` (N,) in outline alone."""
+        face = np.column_stack([colour, ~hollow])
+        edge = np.column_stack([colour, hollow])
+        if large:
+            edge[~hollow] = 1.0
+        self.bodies.set_facecolor(face)
+        self.bodies.set_edgecolor(edge)
+        self.bodies.set_linewidth(np.where(hollow, 1.2, 0.6 if large else 0.0))
 
     def draw_density(self, shot: Shot, position: np.ndarray) -> None:
         """Draw where agents at `position` (N, 2) are dense, and where they head."""

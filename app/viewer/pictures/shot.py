@@ -152,6 +152,11 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
         active=now.active if now.can_crash else None,
         crashes=now.crashes if now.can_crash else None,
         saved=now.signal(SAVED) if SAVED in now.model.columns else None,
+        seen=now.seen,
+        hollow=now.hollow,
+        usual=now.usual,
+        apart=now.apart,
+        length_unit="m" if now.seen is None else now.model.in_units("length"),
         form=now.model.rule.form,
         cars=cars(anyone),
     )

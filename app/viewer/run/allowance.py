@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.observable_format import format_thousands
-from app.viewer.run.stored_flock import InitialState, StoredFlock
+from app.viewer.run.stored_flock import InitialState, InMemoryFlock
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -56,7 +56,7 @@ class Allowance:
         self.demand_agents(flocks * spec.informed)
         if stored is None:
             return
-        if isinstance(stored, StoredFlock):
+        if not isinstance(stored, InMemoryFlock):
             self.demand_recordings(stored.name)
         self.demand_agents(stored.most)
 

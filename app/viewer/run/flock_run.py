@@ -131,6 +131,11 @@ class FlockRun:
         return (self,) if self.second is None else (self, self.second)
 
     @property
+    def computed(self) -> tuple[FlockRun, ...]:
+        """Those of them that a rule moves, and that are to be compiled."""
+        return self.both
+
+    @property
     def is_compiled(self) -> bool:
         """Whether the next tick need not be compiled, neither here nor beside."""
         return all(run.compiled for run in self.both)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.catalogue import MODELS, from_file
+from agents.catalogue import MODELS, PLAYED, from_file
 from agents.flock import Flock
 from agents.models.rule_file import describe_fault
 from agents.spec import CompleteSpec, Spec
@@ -27,15 +27,17 @@ from app.viewer.run.allowance import Allowance
 from app.viewer.run.command_queue import CommandQueue, QueuedCommand
 from app.viewer.run.edits import Edits, free_place
 from app.viewer.run.flock_run import FlockRun, StrayAgentError, describe_error, zone_notice
-from app.viewer.run.flock_run_builder import FlockRunBuilder, Playback
+from app.viewer.run.flock_run_builder import FlockRunBuilder
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.kernel_compiler import KernelCompiler, Preview, preview_size
 from app.viewer.run.paired_run import companion
+from app.viewer.run.playback import Playback
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
 from app.viewer.run.step_trial import ANOTHER, StepTrial
 from app.viewer.run.stored_flock import InitialState, under_new_rule
 from app.viewer.run.time_line import TimeLine
+from app.viewer.run.tracks_run import TracksRun
 from app.viewer.scene.shown.drawing_style import DENSITY_PERIOD, shows_density
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
@@ -276,6 +278,8 @@ class SimulationThread:
         self.state = replace(self.state, busy=True)
         try:
             self.keeping.demand(spec, beside, stored)
+            if stored is None and spec.model in PLAYED:
+                raise InputError("tracks follow no rule: open their file again, in the tab Tracks")
             flock = self.building.flock(spec, stored)
             refuse_too_dense(flock)
             run = self.new_run(flock, beside, stored)
@@ -327,6 +331,8 @@ class SimulationThread:
 
         They are its first ones: where an agent begins depends on no other.
         """
+        if isinstance(coming, Playback):
+            return
         complete = coming.flock.spec
         try:
             size = preview_size(complete.agents, partial(self.measure_tick, complete, beside))
@@ -361,7 +367,7 @@ class SimulationThread:
 
     def compile_ahead(self, *runs: FlockRun) -> None:
         """Have compiled what runs call, and nothing else, if it is not at hand."""
-        flocks = [flock_run.flock for run in runs for flock_run in run.both]
+        flocks = [flock_run.flock for run in runs for flock_run in run.computed]
         if self.preview is None and all(run.is_ready for run in runs):
             self.state = replace(self.state, compiling=None)
             return
@@ -431,12 +437,22 @@ class SimulationThread:
     def copy_flocks(self) -> tuple[Flock, ...]:
         """Copies of the flock, and of the one beside it, at this tick. Raises InputError."""
         run = self.compiled_run("what a page runs")
+        if isinstance(run, TracksRun):
+            raise InputError(
+                f"{run.stored.name} is a file of tracks, which no page can run: film it as HTML "
+                "that plays"
+            )
         return tuple(deepcopy(flock_run.flock) for flock_run in run.both)
 
-    def change(self, change: Callable[[FlockRun], None]) -> None:
-        """Change the run; of a preview, the run that takes over too, at the same tick."""
+    def change(
+        self, change: Callable[[FlockRun], None], name: str = "", beside: bool = False
+    ) -> None:
+        """Change the run; of a preview, the run that takes over too, at the same tick.
+
+        `name`: the parameter that is set, if it is that, and whether it is of the flock beside.
+        """
         run = self.require_run()
-        self.time_line.demand_now()
+        self.time_line.demand_now(name, beside)
         tick = run.flock.tick
         run.change(change)
         self.time_line.changed()
@@ -490,7 +506,7 @@ class SimulationThread:
         self.next, self.next_trial = (spec, beside, stored), trial
 
     def begin(self, stored: InitialState) -> None:
-        self.schedule(stored.spec, None, stored)
+        self.schedule(stored.spec, getattr(stored, "beside", None), stored)
 
     def take_rule_now(self, path: Path) -> str:
         """Raises InputError, after which everything is as before."""
@@ -565,7 +581,7 @@ class SimulationThread:
         if models not in (None, self.state.models):
             return value
         accepted = run.allowed(name, value, beside)
-        self.change(lambda run: run.set(name, accepted, beside))
+        self.change(lambda run: run.set(name, accepted, beside), name, beside)
         if accepted != value:
             flock = run.second.flock if beside and run.second is not None else run.flock
             self.notices.put(zone_notice(flock, name, accepted))

@@ -23,6 +23,7 @@ from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
 from app.viewer.editing.layout_file import demand_few, demand_small, plain_name
 from app.viewer.run.run_preset import MOST_AGENTS, lively_speed
+from app.viewer.run.stored_tracks import StoredTracks
 from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names
 from worlds.plug_ins import demand_parquet
@@ -94,6 +95,15 @@ class StoredFlock:
         """The flock as it begins, ready to go on from there. Raises InputError."""
         return resume(self.recording.spec, self.first, build, **more)
 
+    def going_on(self, tick: int) -> StoredFlock:
+        """The state of a tick, to go on from. Raises InputError."""
+        if self.recording.spec.is_late:
+            raise InputError(
+                f"{self.name} cannot go on: only saved states hold the messages that are on their "
+                "way"
+            )
+        return replace(self, tick=tick)
+
 
 @dataclass(frozen=True)
 class InMemoryFlock:
@@ -130,7 +140,7 @@ class InMemoryFlock:
         return resume(self.run, self.now, build, **more)
 
 
-InitialState = StoredFlock | InMemoryFlock
+InitialState = StoredFlock | InMemoryFlock | StoredTracks
 """What a run begins from, if not from its start."""
 
 

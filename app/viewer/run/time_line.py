@@ -20,8 +20,8 @@ from app.viewer.editing.editor import Editor
 from app.viewer.measuring.background_worker import WorkThrottle
 from app.viewer.run.edits import Edits
 from app.viewer.run.flock_run import FlockRun
-from app.viewer.run.flock_run_builder import Playback, recording_error
 from app.viewer.run.paired_run import PairedRun
+from app.viewer.run.playback import Playback
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
 from app.viewer.run.stored_flock import InitialState
 from worlds.input_error import InputError
@@ -185,12 +185,7 @@ class TimeLine:
     def go_on_now(self) -> None:
         host, run = self.host, self.host.require_run()
         if isinstance(run, Playback):
-            if run.stored.recording.spec.is_late:
-                raise InputError(
-                    f"{run.stored.name} cannot go on: only saved states hold the messages that are "
-                    "on their way"
-                )
-            host.begin(replace(run.stored, tick=run.flock.tick))
+            host.begin(run.state_to_go_on())
         elif self.present is not None:
             then = self.history.last_before(run.flock.tick)
             if then is None:
@@ -224,11 +219,14 @@ class TimeLine:
         elif self.present is not None:
             self.go_on_now()
 
-    def demand_now(self) -> None:
-        """Raise InputError where nothing can be changed: in a recording, and while looking back."""
+    def demand_now(self, name: str = "", beside: bool = False) -> None:
+        """Raise InputError where nothing can be changed: in a recording, and while looking back.
+
+        `name`: the parameter that is to be set, of the flock beside if so; empty for other changes.
+        """
         run = self.host.run
         if isinstance(run, Playback):
-            raise recording_error(run.stored)
+            run.demand_change(name, beside)
         if self.present is not None and run is not None:
             raise InputError(
                 f"you look back at tick {run.flock.tick}: go on from here, or go back to now, "

@@ -22,7 +22,7 @@ from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.agents import Agents, FlockMotion
 from app.viewer.scene.marks.area import CaptureArea, Fence
 from app.viewer.scene.marks.car_outlines import LiveOutlines, StuckMarks
-from app.viewer.scene.marks.flock_marks import CrashMarks, Halos, Links
+from app.viewer.scene.marks.flock_marks import CrashMarks, Halos, HollowMarks, Links
 from app.viewer.scene.marks.gizmo import Dragged, Grabbed, LeaderGizmo
 from app.viewer.scene.marks.handles import Handles
 from app.viewer.scene.marks.inspection_marks import InspectionMarks, ReasonMarks
@@ -53,6 +53,7 @@ class Parts:
         self._flock = (
             Agents(scene, root, self._flight),
             Halos(scene, root),
+            HollowMarks(scene, root),
             Labels(scene, root),
             Links(scene, root),
             Trails(scene, root),
@@ -113,6 +114,8 @@ class ComparisonNodes:
     parts: Parts | None = None
     frame: FrameHandle | None = None
     titles: tuple[LabelHandle, ...] = ()
+    is_over: bool = False
+    """Whether the second flock is drawn over the first, in its room."""
 
     @property
     def is_open(self) -> bool:
@@ -121,12 +124,14 @@ class ComparisonNodes:
 
     def draw_box(self, first: Picture, second: Picture | None, is_below: bool) -> Changes:
         """Make the second room, right of the first or below it, or take it away, and bring it up to
-        date."""
-        if second is None:
+        date. A flock that is drawn over the first has no room of its own."""
+        if second is None or self.is_over != first.frame.is_over:
             if self.frame is not None:
                 for node in (self.frame, *self.titles):  # With all that is below it.
                     node.remove()
                 self.parts, self.frame, self.titles = None, None, ()
+            self.is_over = first.frame.is_over
+        if second is None:
             return []
         if self.parts is None or self.frame is None:
             self.frame = self.scene.add_frame(ROOT, show_axes=False)
@@ -134,19 +139,23 @@ class ComparisonNodes:
             self.titles = tuple(self._title(name) for name in ("first", "second"))
         aside = offset(first, is_below)
         title, other = self.titles
+        name = first.frame.title
+        if self.is_over:
+            name = f"{name}, hollow · {second.frame.title}"
         changes: Changes = [
             (self.frame, "position", aside),
-            (title, "text", first.frame.title),
+            (title, "text", name),
             (title, "position", title_place(first)),
             (other, "text", second.frame.title),
             (other, "position", title_place(second) + aside),
+            (other, "visible", not self.is_over),
         ]
         changes = [
             change
             for change in changes
             if not np.array_equal(getattr(change[0], change[1]), change[2])
         ]
-        return changes + self.parts.draw_box(second)
+        return changes if self.is_over else changes + self.parts.draw_box(second)
 
     def draw_flock(self, second: Picture | None) -> Changes:
         """What is to be changed for this frame."""
@@ -177,7 +186,8 @@ def find_clicked(
     """
     for side, (flock_picture, aside) in enumerate(sights):
         radius = 0.5 * flock_picture.length * flock_picture.size
-        row = pick_agent(origin - aside, direction, flock_picture.at, radius, near)
+        at = np.where(flock_picture.is_there[:, None], flock_picture.at, np.nan)
+        row = pick_agent(origin - aside, direction, at, radius, near)
         if row is not None:
             return side, row
     away = [
@@ -227,7 +237,9 @@ def stands_below(picture: Picture, aspects: Sequence[float] = (), now: bool = Fa
 
 def offset(picture: Picture, is_below: bool | None = None) -> np.ndarray:
     """Where the second room's centre is, (3,): right of the first or below it, by default below if
-    the first is wide."""
+    the first is wide. Where it is drawn over the first, it stands there."""
+    if picture.frame.is_over:
+        return np.zeros(3)
     low, high = room(picture)
     side, flat = picture.stage.side, picture.stage.dim == 2
     width, depth = (high - low)[:2]
@@ -297,7 +309,8 @@ class Scene:
                 drawn_picture, other, self._is_below
             )
             is_open = self._parts.is_open or self._beside.is_open
-            self._fog.draw(drawn_picture.stage, is_open, 1 if other is None else 2)
+            rooms = 1 if other is None or frame.is_over else 2
+            self._fog.draw(drawn_picture.stage, is_open, rooms)
             changes += self._parts.draw_flock(drawn_picture) + self._beside.draw_flock(other)
             for handle, name, value in changes:
                 setattr(handle, name, value)
@@ -427,7 +440,7 @@ def pick_agent(
 
     `at` (N, 3) and `radius` (N,) are in the ray's units, `slack` is the half-width of the cone
     about the ray in which an agent counts as hit, rad. Of several, the nearest to the ray
-    relative to its size is meant, a little in favour of those in front.
+    relative to its size is meant, a little in favour of those in front; NaN is nowhere.
     """
     if not len(at) or not (np.isfinite(origin).all() and np.isfinite(direction).all()):
         return None
@@ -438,6 +451,6 @@ def pick_agent(
     along = away @ (direction / length)
     aside = np.sqrt(np.maximum(np.einsum("ij,ij->i", away, away) - along**2, 0.0))
     miss = aside / (radius + slack * np.maximum(along, 0.0))
-    miss[(along <= 0.0) | (miss > 1.0)] = np.inf
-    best = int(np.argmin(miss + 0.02 * along))
+    miss[~((along > 0.0) & (miss <= 1.0))] = np.inf  # nan, of who is not there, too
+    best = int(np.argmin(miss + 0.02 * np.nan_to_num(along)))
     return best if np.isfinite(miss[best]) else None

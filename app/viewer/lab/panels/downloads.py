@@ -9,10 +9,11 @@ from concurrent.futures import Future
 
 import viser
 
-from app.results_folder import RUNS_BEGIN, RUNS_ENDING
+from app.results_folder import RUNS_BEGIN
 from app.viewer.editing.layout_file import plain_name
-from app.viewer.gallery.file_opener import ENDINGS, open_file
+from app.viewer.gallery.file_opener import open_file
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
+from app.viewer.gallery.tracks_opener import are_tracks
 from app.viewer.lab.runs_file import ReadRuns, read_runs
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.simulation import Simulation
@@ -86,14 +87,15 @@ class SceneFiles:
         now: Callable[[str], SavedScene],
         open: Callable[[SavedScene | StoredFlock | ReadRuns], None],
         tell: Callable[[str], None],
+        open_tracks: Callable[[str, bytes], None],
         allowance: Allowance | None = None,
     ):
         self.allowance = allowance
-        self.now, self.open, self.tell = now, open, tell
+        self.now, self.open, self.tell, self.open_tracks = now, open, tell, open_tracks
         gui.add_markdown(
             "**Scene**: the run with its view and plots. A scene, a spec, a saved state or a "
             "recording is opened here or by `flockscope lab FILE`, and run without a page by "
-            "`flockscope run FILE`."
+            "`flockscope run FILE`. Tracks are opened here, too."
         )
         self.name = gui.add_text("Name", "", hint="What the scene is called")
         save = gui.add_button("Save scene (TOML)", icon=viser.Icon.DOWNLOAD, color="gray")
@@ -101,10 +103,9 @@ class SceneFiles:
             "Open a file ...",
             icon=viser.Icon.UPLOAD,
             color="gray",
-            mime_type=",".join((*ENDINGS, RUNS_ENDING)),
-            hint="A scene or a spec (TOML), a saved state or a recording (Parquet) of up to "
-            f"{LARGEST // 10**6} MB: replaces the run in all browsers. Runs (JSONL): become rows "
-            "of the tab Runs",
+            hint="A scene or a spec (TOML), a saved state or a recording (Parquet), or tracks, of "
+            f"up to {LARGEST // 10**6} MB: replaces the run in all browsers. Runs (JSONL): become "
+            "rows of the tab Runs",
         )
         save.on_click(self.save)
 
@@ -116,6 +117,8 @@ class SceneFiles:
                     self.allowance.demand_recordings(file.name)
                 if file.content.startswith(RUNS_BEGIN):
                     self.open(read_runs(plain_name(file.name), file.content))
+                elif are_tracks(file.name, file.content):
+                    self.open_tracks(file.name, file.content)
                 else:
                     self.open(open_file(file.name, file.content))
             except InputError as refusal:
@@ -124,7 +127,11 @@ class SceneFiles:
     async def save(self, event: viser.GuiEvent) -> None:
         """Send the scene to the browser that asked."""
         if event.client is not None:
-            scene = self.now(self.name.value.strip()[: TEXTS["title"]])
+            try:
+                scene = self.now(self.name.value.strip()[: TEXTS["title"]])
+            except InputError as refusal:
+                self.tell(str(refusal))
+                return
             name = re.sub(r"\W+", "-", scene.title.lower()).strip("-") or "scene"
             event.client.send_file_download(
                 f"{name}.toml", scene.to_toml().encode(), save_immediately=True

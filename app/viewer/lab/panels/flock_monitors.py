@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from agents.catalogue import MODELS
+from agents.catalogue import MODELS, short_model_name
 from agents.state.agent_rows import CAUSES, Crashes
 from app.viewer.lab.panels.numbers_table import SIZES, MoreNumbers
 from app.viewer.measuring import observable_format
@@ -103,7 +103,7 @@ def compare_table(
         for name in dict.fromkeys([*first, *second])
     )
     head = "".join(
-        f'<th><i class="fs-line fs-{kind}"></i>{html.escape(name)}</th>'
+        f'<th><i class="fs-line fs-{kind}"></i>{html.escape(short_model_name(name))}</th>'
         for name, kind in zip(models, ("solid", "dashed"), strict=True)
     )
     return f'<table class="fs-pair"><tr><th>{html.escape(title)}</th>{head}</tr>{rows}</table>'

@@ -31,6 +31,8 @@ from worlds.number_text import counted
 FIRST = 6
 """Rows that are always there."""
 MOST_NEIGHBOURS = 6
+LONGEST_NAME = 40
+"""Letters of an individual's name in a file of tracks that are shown."""
 
 Fold = Literal["rest", "zones", "forces", "heard"]
 
@@ -40,7 +42,10 @@ def head(frame: Frame, inspection: Inspection) -> str:
     rows = dict(list(facts(frame, inspection).items())[:FIRST])
     kind = " · information agent" if frame.informed[inspection.row] else ""
     flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
-    return f'<h2 class="fs-head">Agent {inspection.id}{kind}</h2>{flock}{escaped_table(rows)}'
+    name = f"Agent {inspection.id}"
+    if inspection.name:
+        name = f"Individual {html.escape(inspection.name[:LONGEST_NAME])}"
+    return f'<h2 class="fs-head">{name}{kind}</h2>{flock}{escaped_table(rows)}'
 
 
 def folds(frame: Frame, inspection: Inspection) -> dict[Fold, tuple[str, str]]:
@@ -92,7 +97,10 @@ def facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
         listed["drag saved"] = own.pop("drag saved")
     if frame.group is not None and inspection.row < len(frame.group):
         listed["group"] = f"number {int(frame.group[inspection.row]) + 1} by size"
-    if not np.any(np.asarray(inspection.weights) > 0.0) and not frame.is_down[inspection.row]:
+    if inspection.known:  # of tracks: nobody knows whom an individual listens to
+        listed = dict(inspection.known) | listed
+        del listed["neighbours"]
+    elif not np.any(np.asarray(inspection.weights) > 0.0) and not frame.is_down[inspection.row]:
         listed["listens to"] = "nobody"
     return listed | own
 

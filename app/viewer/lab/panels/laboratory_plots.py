@@ -12,6 +12,7 @@ import numpy as np
 import viser
 from viser import uplot
 
+from agents.catalogue import short_model_name
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.front.controls import set_value
@@ -170,7 +171,7 @@ class Overlay:
 
     def label(self, name: str, k: int) -> str:
         """What a curve of now is: its observable, and of two flocks its model."""
-        whose = f", {self.models[k].name}" if len(self.runs) > 1 else ""
+        whose = f", {short_model_name(self.models[k].name)}" if len(self.runs) > 1 else ""
         return f"{observable_title(name, self.models)}{whose}"
 
     def axis(self, names: tuple[str, ...], room: float = ROOM) -> str:

@@ -105,8 +105,8 @@ class LessonForm:
 
     async def press_button(self, event: viser.GuiEvent) -> None:
         """Add the step of the form, or take off the last one."""
-        scene = self.now()
         try:
+            scene = self.now()
             if event.target.value == REMOVE:
                 self.take(replace(scene, steps=scene.steps[:-1]))
                 return

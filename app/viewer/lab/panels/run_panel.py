@@ -8,7 +8,7 @@ import time
 
 import viser
 
-from agents.catalogue import MODELS
+from agents.catalogue import MODELS, PLAYED, short_model_name
 from app.front.controls import set_value
 from app.front.viser_internals import control_loop
 from app.viewer.gallery.saved_scene import SavedScene
@@ -19,6 +19,7 @@ from app.viewer.run.run_preset import lively_speed
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
 from app.viewer.scene.shown.frame import Frame
+from worlds.number_text import counted
 
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 200.0, 1000.0, math.inf)
 """Ticks per second to choose from."""
@@ -72,8 +73,12 @@ class RunPanel:
             self.pace(lively_speed(spec))
         self.simulation.setup(spec, beside)
 
-    def pace(self, speed: float) -> None:
-        """Go to the speed of the list that is nearest to one (ticks per second, or inf)."""
+    def pace(self, speed: float, is_exact: bool = False) -> None:
+        """Go to the speed of the list that is nearest to one (ticks per second, or inf); if it is
+        to be exact, it comes into the list."""
+        if is_exact and speed_text(speed) not in self.speeds:
+            self.speeds = {speed_text(one): one for one in sorted({*SPEEDS, speed})}
+            self.speed.options = tuple(self.speeds)
         finite = [choice for choice in self.speeds.values() if math.isfinite(choice)]
         nearest = speed
         if math.isfinite(speed):
@@ -110,7 +115,7 @@ def status(state: SimulationState, mend: str = "Press Setup.", title: str = "") 
         why = html.escape(state.error)
         return f'<div class="fs-error"><b>Stopped.</b> {why}<br>{mend}</div>'
     model, beside = state.models
-    words = MODELS[model].title if beside is None else f"{model} beside {beside}"
+    words = MODELS[model].title if beside is None else f"{short_model_name(model)} beside {beside}"
     told = "" if state.busy else f" · {html.escape(words)}"
     line = state.line
     colour, words = GREY, "paused"
@@ -206,8 +211,11 @@ class TimeLinePanel:
             self.slider.disabled = not usable
         recorded = line is not None and bool(line.recording)
         past = recorded or (line is not None and line.looks_back)
+        goes_on = past and state.spec.model not in PLAYED
         if self.words.visible != past:
-            self.words.visible = self.actions.visible = past
+            self.words.visible = past
+        if self.actions.visible != goes_on:
+            self.actions.visible = goes_on
         offered = (GO_ON,) if recorded else (GO_ON, TO_NOW)
         if past and tuple(self.actions.options) != offered:
             self.actions.options = offered
@@ -232,6 +240,14 @@ class TimeLinePanel:
 def describe_time_line(line: TimeLineState, frame: Frame) -> str:
     """What is shown, and what can be done about it, HTML."""
     when = clock(line.at, frame)
+    if frame.seen is not None:
+        seen = f"{int(frame.seen.sum())} of {counted(len(frame.seen), 'individual')} seen"
+        gaps = 0 if frame.hollow is None else int(frame.hollow.sum())
+        hollow = f", {gaps} in a gap (hollow)" if gaps else ""
+        return (
+            f'<div class="fs-quiet">Tracks <b>{html.escape(line.recording)}</b>: '
+            f"{line.at * frame.dt:.2f} s of {line.last * frame.dt:.2f} s. {seen}{hollow}.</div>"
+        )
     kept = ""
     if line.sought is not None:
         kept = f" Tick {line.sought} is not kept: this is the last one before it that is."

@@ -8,10 +8,10 @@ from typing import Any
 
 import viser
 
-from agents.catalogue import MODELS
+from agents.catalogue import MODELS, PLAYED
 from agents.conditions import Conditions
 from agents.models.model import Model
-from agents.spec import OPTIONS, CompleteSpec, Options, Spec
+from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Options, Spec
 from app.front.controls import set_value
 from app.viewer.panels.dials import handle
 from app.viewer.panels.shell import block
@@ -48,13 +48,16 @@ class SetupPanel:
         model, beside = state.models
         self.note = gui.add_html("")
         self.model = gui.add_dropdown(
-            "Model", titles, initial_value=MODELS[model].title, hint="The rule agents follow"
+            "Model",
+            titles,
+            initial_value=MODELS[DEFAULT if model in PLAYED else model].title,
+            hint="The rule agents follow",
         )
         self.summary = gui.add_html("")
         self.beside = gui.add_dropdown(
             "Beside",
             self.companions(model, spec.dim),
-            initial_value=NOBODY if beside is None else MODELS[beside].title,
+            initial_value=NOBODY if beside is None or model in PLAYED else MODELS[beside].title,
             hint="A second model in the same world, from the same start, with the same controls",
         )
         self.agents = add_number_control(gui, "agents", spec.agents, 1, MOST_AGENTS)

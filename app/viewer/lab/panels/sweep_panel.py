@@ -11,7 +11,7 @@ from typing import Any
 
 import viser
 
-from agents.catalogue import MODELS
+from agents.catalogue import MODELS, PLAYED
 from agents.models.declare import NumberParameter
 from agents.models.slider_range import is_wide
 from agents.observables.catalogue import OBSERVABLES, default_charts
@@ -255,7 +255,9 @@ class SweepPanel:
             raise InputError(f"{name[:80]!r} cannot be swept over")
 
     def read_request(self, state: SimulationState) -> SweepRequest:
-        """What the form says, around a run."""
+        """What the form says, around a run. Raises InputError for tracks."""
+        if state.spec.model in PLAYED:
+            raise InputError("tracks follow no rule: set up a model, then sweep over it")
         axes = [axis for axis in (self.first.axis(), self.second.axis()) if axis is not None]
         return SweepRequest(
             state.current_specs()[0],

@@ -98,6 +98,14 @@ class Picture:
             vars(part)["colour"] = self.colour[rows]  # which depends on the others
         return part
 
+    @cached_property
+    def is_there(self) -> np.ndarray:
+        """Who is drawn at all, as a body or hollow, (N,) bool."""
+        frame = self.frame
+        if frame.seen is None:
+            return np.ones(self.count, bool)
+        return frame.seen if frame.hollow is None else frame.seen | frame.hollow
+
     @property
     def count(self) -> int:
         """Number of agents."""
@@ -156,6 +164,9 @@ LEAST_LENGTH = 0.012
 """Length of an agent of a close flock as a multiple of the world's longest side, at least."""
 LEAST_CAR = 0.022
 """Length of a car as a multiple of the world's longest side, at least."""
+TRACKED = 1.3
+"""Length of an individual of tracks as a multiple of their median distance, at most; but not less
+than LEAST_LENGTH."""
 LYING = 0.09
 """How high the middle of one that lies on the floor is, as a multiple of its length."""
 KEPT = 1.15
@@ -178,10 +189,13 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     A flock that starts close together stays so: its darts are small enough to be told apart, and
     not too small to be seen.
     """
-    count = len(frame.position)
+    count = frame.usual or len(frame.position)
     if frame.room is None:
         common = dart_length(count, stage.half)
         fraction = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
+        if np.isfinite(frame.apart):
+            least = LEAST_LENGTH * stage.side
+            return float(min(common, max(least, TRACKED * frame.apart * stage.scale)))
         return float(np.clip(fraction, 0.5 * common, common))
     half = np.zeros(3)
     half[: stage.dim] = 0.5 * stage.scale * (frame.room[1] - frame.room[0])

@@ -289,17 +289,22 @@ class Agents:
         ]
 
     def _draw_points(self, picture: Picture) -> Changes:
+        at, colour = picture.at, picture.colour
+        if picture.frame.seen is not None:
+            at, colour = at[picture.is_there], colour[picture.is_there]
         return [
-            (self._points, "points", rounded_places(picture.at, picture.length)),
-            (self._points, "colors", (255.0 * picture.colour + 0.5).astype(np.uint8)),
+            (self._points, "points", rounded_places(at, picture.length)),
+            (self._points, "colors", (255.0 * colour + 0.5).astype(np.uint8)),
             (self._points, "point_size", POINT_SIZE[picture.stage.dim] * picture.length),
         ]
 
 
 def dart_rows(picture: Picture) -> np.ndarray | slice:
-    """Rows drawn as darts: all, or of very many the few agents that matter."""
+    """Rows drawn as darts: all, or of very many the few agents that matter; of tracks those that
+    are seen, unless a model is drawn over them."""
     if picture.count <= POINTS_BEYOND and not picture.shows_density:
-        return slice(None)
+        is_drawn = picture.frame.is_drawn
+        return slice(None) if is_drawn is None else np.flatnonzero(is_drawn)
     informed = np.flatnonzero(picture.frame.informed)
     inspected = picture.inspected
     return np.union1d(informed[:FEW_LEADERS], [] if inspected is None else [inspected]).astype(int)

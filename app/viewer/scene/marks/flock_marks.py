@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
-from app.viewer.scene.draw.attitude import quantise_attitudes, rounded_places
+from app.viewer.scene.draw.attitude import (
+    ahead_directions,
+    left_directions,
+    quantise_attitudes,
+    rounded_places,
+)
 from app.viewer.scene.draw.drawn_frame import DIMMED, FEW_LEADERS, Changes, Picture
 from app.viewer.scene.draw.line_segments import add_lines, segments, split_at_seams
 from app.viewer.scene.draw.shapes import Mesh, ball, circle, ring, torus
@@ -117,6 +122,37 @@ def _add(
         receive_shadow=False,
         visible=False,
     )
+
+
+# Who is not seen just now: the outline of a dart where it was seen last.
+
+OUTLINE = np.array([[0.60, 0.0], [-0.40, 0.36], [-0.13, 0.0], [-0.40, -0.36]])
+"""Nose, left wing tip, notch and right wing tip: how far ahead and to the left, of one of length
+1."""
+THICK = 1.6
+"""Width of an outline, pixels."""
+
+
+class HollowMarks:
+    """Outlines of individuals of tracks that are in a gap, or over which a model is drawn."""
+
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
+        self._lines = add_lines(scene, f"{root}/flock/hollow", THICK, many_coloured=True)
+
+    def draw(self, picture: Picture) -> Changes:
+        outlined = picture.frame.outlined
+        rows = np.empty(0, int) if outlined is None else np.flatnonzero(outlined)
+        if not len(rows):
+            return [(self._lines, "visible", False)]
+        wxyz = picture.wxyz[rows]
+        size = (picture.length * picture.size[rows])[:, None, None]
+        ahead, left = ahead_directions(wxyz)[:, None], left_directions(wxyz)[:, None]
+        points = picture.at[rows][:, None] + size * (
+            OUTLINE[None, :, :1] * ahead + OUTLINE[None, :, 1:] * left
+        )
+        lines = np.stack([points, np.roll(points, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+        colours = np.repeat(palette.unlit_bytes(picture.colour[rows]), len(OUTLINE), axis=0)
+        return segments(self._lines, lines, np.repeat(colours[:, None], 2, axis=1))
 
 
 MOST_LINKS = 12_000

@@ -113,6 +113,10 @@ INFORMED = "information agent"
 """What it is called wherever a page tells of it, in the air or on wheels."""
 
 
+LONGEST_NAME = 12
+"""Letters of the name of an individual that are written beside it."""
+
+
 class Labels:
     """A label for the first information agent and a pool of labels for identities."""
 
@@ -162,11 +166,14 @@ class Labels:
     def _clear_rows(self, picture: Picture, rows: np.ndarray) -> np.ndarray:
         """Which of the numbers of these rows are written: in a flat world none upon another."""
         if picture.stage.dim == 3 or not len(rows):
-            return np.ones(len(rows), bool)
+            return picture.is_there[rows]
         ids = picture.frame.ids[rows]
         texts = [name(picture, int(row)) for row in rows]
         size = SMALL * picture.stage.side * np.array([box(text) for text in texts])
-        written = clear_labels(picture.at[rows, :2], size, np.isin(ids, self._written))
+        before = np.isin(ids, self._written)
+        written = np.zeros(len(rows), bool)
+        there = picture.is_there[rows]
+        written[there] = clear_labels(picture.at[rows[there], :2], size[there], before[there])
         self._written = ids[written]
         return written
 
@@ -190,8 +197,10 @@ class Labels:
 
 
 def name(picture: Picture, row: int) -> str:
-    """What is written beside an agent: its number, and of a car that hunts the others also that."""
-    number, cars = str(picture.frame.ids[row]), picture.frame.cars
+    """What is written beside an agent: its number, or its name in a file of tracks; and of a car
+    that hunts the others also that."""
+    names, cars = picture.frame.names, picture.frame.cars
+    number = names[row][:LONGEST_NAME] if names else str(picture.frame.ids[row])
     return f"{number} predator" if cars is not None and cars.predator[row] else number
 
 

@@ -179,7 +179,10 @@ class Trails(Streaks):
         if picture.look.trails != LINE or picture.look.trail_length < 1:
             return self.hide()
         rows = trailed_rows(picture.frame.informed, MOST_AGENTS)
-        return self.follow(picture, picture.frame.ids[rows], picture.at[rows], picture.colour[rows])
+        at = picture.at[rows]
+        if picture.frame.seen is not None:
+            at[~picture.frame.seen[rows]] = np.nan
+        return self.follow(picture, picture.frame.ids[rows], at, picture.colour[rows])
 
 
 MOST_BIRDS = 300

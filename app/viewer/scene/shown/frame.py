@@ -105,7 +105,7 @@ class MissionProgress:
 
 
 OF_AGENTS = ("position", "heading", "speed", "informed", "ids", "layer", "group", "measured",
-             "active", "saved")  # fmt: skip
+             "active", "saved", "seen", "hollow")  # fmt: skip
 """What a frame has of each agent, a row each, or None."""
 
 
@@ -162,6 +162,21 @@ class Frame:
     """Who has crashed, where they can."""
     saved: np.ndarray | None = None
     """(N,) share of its induced drag that each saves, NaN unknown; None: it is not measured."""
+    seen: np.ndarray | None = None
+    """(N,) bool: of tracks, who is seen; None: everybody is."""
+    hollow: np.ndarray | None = None
+    """(N,) bool: of tracks, who is drawn at its last place, hollow; nobody else who is not seen."""
+    usual: int = 0
+    """Of tracks, how many are seen at a time as a rule; 0: everybody always is. As `apart`, it says
+    how large they are drawn, and the agents of a model beside them."""
+    apart: float = float("inf")
+    """Of tracks, the median distance to the nearest other, length."""
+    length_unit: str = "m"
+    """Unit of lengths, where time is in s: of tracks perhaps px."""
+    names: tuple[str, ...] = ()
+    """(N,): of tracks, what individuals are called in their file; empty: by their numbers."""
+    is_over: bool = False
+    """Whether the flock beside it is drawn over it, in the same room, and this one hollow."""
     form: str = "birds"
     """What its rule's source is about: birds or fish."""
     cars: Cars | None = None
@@ -187,6 +202,20 @@ class Frame:
         return self.world.dim
 
     @property
+    def is_drawn(self) -> np.ndarray | None:
+        """Whose bodies are drawn, (N,) bool; None for everybody."""
+        if self.is_over:
+            return np.zeros(len(self.ids), bool)
+        return self.seen
+
+    @property
+    def outlined(self) -> np.ndarray | None:
+        """Who is drawn hollow, (N,) bool; None for nobody."""
+        if self.is_over and self.seen is not None:
+            return self.seen if self.hollow is None else self.seen | self.hollow
+        return self.hollow
+
+    @property
     def is_down(self) -> np.ndarray:
         """Agents that have crashed, (N,) bool."""
         return np.zeros(len(self.ids), bool) if self.active is None else ~self.active
@@ -209,4 +238,4 @@ class Frame:
     @property
     def pace_unit(self) -> str:
         """Unit of speeds, in words."""
-        return "per tick" if self.unit == "ticks" else f"m/{self.unit}"
+        return "per tick" if self.unit == "ticks" else f"{self.length_unit}/{self.unit}"

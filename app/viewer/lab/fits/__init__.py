@@ -1,0 +1,1 @@
+"""Fits of models to tracks, begun and looked at in the page."""
