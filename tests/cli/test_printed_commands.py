@@ -52,6 +52,7 @@ RUN = {
     "flockscope sweep show {reader.folder}": "sweep show {sweep}",
     "flockscope sweep export": "sweep export {sweep} {folder}/runs.csv",
     "flockscope sweep plot {folder.name}": "sweep plot {sweep}",
+    "flockscope tracks formats": "tracks formats",
 }
 """Printed command -> what is typed; it ends with exit code 0. Sweeps: in this order."""
 VISITED = {
@@ -73,6 +74,7 @@ PARSED = {
     "flockscope optimise {folder}": "optimise weights",
     "flockscope export spec.toml": "export spec.toml",
     "flockscope paper {thing[]}": "paper liu2021-table1",
+    "flockscope lab --tracks FILE": "lab --tracks herd.csv",
     "flockscope class {thing[]}": "class order-against-noise",
     "flockscope class {keeping.path}": "class monday.class",
     "flockscope class FILE opens it again": "class monday.class",
@@ -87,6 +89,8 @@ NAMES = {
     "flockscope paper": "paper",
     "flockscope run": "run",
     "flockscope film": "film",
+    "flockscope tracks": "tracks",
+    "flockscope tracks convert": "tracks convert",
     "flockscope picture": "picture",
     "flockscope live": "live",
     "flockscope live lab": "live lab",

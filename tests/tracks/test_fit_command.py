@@ -115,7 +115,8 @@ def test_likelihood_and_abc_by_command(file, tmp_path):
         "--frame-ticks", 5, "--parameters", "dr_o=1:5:2", "--runs", 50, "--fit-frames", 10,
         "--out", tmp_path / "abc", "--quiet",
     )  # fmt: skip
-    assert "left out in turn" in abc.stdout
+    assert "couzin explains nothing: none of 50 runs is like these tracks" in abc.stdout
+    assert "not told" in abc.stdout
     assert "5 ticks are 1 frame (a tick is 0.1 s)" in abc.stdout
     assert (tmp_path / "abc" / "fit-couzin.svg").exists()
 

@@ -232,7 +232,7 @@ METRES = 1e-5 * 111_194.9
 def fixes(n: int) -> list[tuple[str, float, float]]:
     return [
         (
-            str(np.datetime64("2015-04-27T06:00:00") + t).replace("T", " "),
+            str(np.datetime64("2015-04-27T06:00:00") + np.timedelta64(t, "s")).replace("T", " "),
             10.0 + 1e-5 * PLACES[t, n, 0],
             47.0 + 1e-5 * PLACES[t, n, 1],
         )

@@ -222,7 +222,7 @@ def model_name(model: str | None) -> str | None:
         from agents.catalogue import PLAYED
 
         if model in PLAYED:
-            raise InputError(f"{model} is no model to run: flockscope lab --tracks FILE plays it")
+            raise InputError(f"{model} is no model to run: `flockscope lab --tracks FILE` plays it")
     return load_rule_files([model])[0] if model is not None and model.endswith(".py") else model
 
 

@@ -45,6 +45,8 @@ KEPT = 0.2
 """Share of the draws that are kept, the nearest."""
 LEAST_KEPT = 100
 """Of fewer a regression on eleven numbers says what it likes."""
+LARGEST = 700.0
+"""A logit, at most."""
 LEFT_OUT = 200
 """Draws that are left out in turn, at most."""
 INTERVAL = 0.9
@@ -200,7 +202,8 @@ def adjusted_draws(
     design = np.column_stack([np.ones(len(rows)), away])
     root = np.sqrt(weight)[:, None]
     slope = np.linalg.lstsq(root * design, root * logits, rcond=None)[0][1:]
-    return 1.0 / (1.0 + np.exp(-(logits - away @ slope))), weight
+    # Of tracks that are far from all runs the logits may be beyond what exp takes.
+    return 1.0 / (1.0 + np.exp(np.clip(away @ slope - logits, -LARGEST, LARGEST))), weight
 
 
 def weighted_quantiles(values: np.ndarray, weight: np.ndarray, shares: list[float]) -> np.ndarray:

@@ -169,7 +169,8 @@ def draw_posteriors(figure: Any, fit: AbcFit) -> None:
         drawn = fit.draws[:, column]
         edges = np.linspace(drawn.min(), drawn.max(), 31)
         share = np.histogram(fit.kept[:, column], edges, weights=fit.weights)[0]
-        axes.stairs(share / share.sum(), edges, fill=True, color=PALE)
+        if share.sum() > 0.0:  # else all that is kept was brought beyond what was drawn
+            axes.stairs(share / share.sum(), edges, fill=True, color=PALE)
         axes.axvspan(posterior.low, posterior.high, color=COLOURS[0], alpha=0.12, label="90 %")
         axes.axvline(posterior.median, color=COLOURS[1], label="median")
         axes.set_xlabel(axis_label(posterior.name, posterior.unit))
@@ -191,6 +192,8 @@ def format_table(result: AnyResult) -> list[list[str]]:
                 fit.model, posterior.name, f"{posterior.median:.4g}",
                 f"{posterior.low:.4g} to {posterior.high:.4g}", f"{100 * posterior.coverage:.0f} %",
             ]
+            if fit.is_like_tracks
+            else [fit.model, posterior.name, "not told", "", ""]
             for fit in result.fits
             for posterior in fit.posteriors
         ]  # fmt: skip
