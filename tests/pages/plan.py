@@ -13,6 +13,8 @@ NOT_RUN = {
     'pip install ".[live]"': "asks a package index for what builds the package",
     "uv build --wheel": "asks a package index for what builds the package",
     "uv run python packing/release.py --out dist": "takes an hour: tests/packing/test_release.py",
+    "pip download --no-deps trajectorytools==0.4.2": "asks a package index",
+    "python -m zipfile -e trajectorytools-0.4.2-py3-none-any.whl .": "needs what that brings",
     "git clone --depth 1 https://github.com/PedestrianDynamics/jupedsim": "asks the network",
     "curl -X POST -H 'X-Flockscope: stop' http://localhost:8080/emergency": (
         "needs a room that is open: tests/attacks/test_stop_way.py presses it so"
