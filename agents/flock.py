@@ -544,9 +544,13 @@ class Flock(TickClock, GatedMotion):
         """Write the state to a Parquet file; `Flock.load` goes on from it to the bit.
 
         The name ends in .parquet or .pq; a file of that name is replaced. Raises InputError, also
-        within a tick of agents that step one by one.
+        within a tick of agents that step one by one, and for a flock of nobody.
         """
         self._demand_whole_tick()
+        if not len(self.ids):
+            raise InputError(
+                f"the flock is empty at tick {self.tick}: a state holds one agent at least"
+            )
         with Recorder(path, self, endings=STATES, with_past=True) as recorder:
             recorder.write()
 

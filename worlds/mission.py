@@ -160,7 +160,8 @@ class ExitRegion(MissionPart):
         """It on the plan."""
         if self.points is not None:
             return shapely.Polygon(self.points)
-        assert self.low is not None and self.high is not None
+        assert self.low is not None
+        assert self.high is not None
         return shapely.box(*self.low[:2], *self.high[:2])
 
 
@@ -220,8 +221,8 @@ class Mission(MissionPart):
                 speed_low=None if start.speed_low is None else (*start.speed_low, 0.0),
                 speed_high=None if start.speed_high is None else (*start.speed_high, 0.0),
             )
-        sources = tuple(standing_box(source, height) for source in self.sources)
-        exits = tuple(standing_box(region, height) for region in self.exits)
+        sources = tuple(standing_source(source, height) for source in self.sources)
+        exits = tuple(standing_exit(region, height) for region in self.exits)
         path, goal = self.path, self.goal
         if path is not None:
             path = path.model_copy(update={"waypoints": raised(path.waypoints, 0.5 * height)})
@@ -264,15 +265,27 @@ class Mission(MissionPart):
         return dims_of_parts
 
 
-def standing_box[Region: (SourceRegion, ExitRegion)](region: Region, height: float) -> Region:
-    """A box of a flat world from the floor up to a height, length; a polygon stays what it is."""
-    if region.low is None or region.high is None or len(region.low) == 3:
+def standing_source(source: SourceRegion, height: float) -> SourceRegion:
+    """A source of a flat world from the floor up to a height, length."""
+    if len(source.low) == 3:
+        return source
+    slow, fast = source.speed_low, source.speed_high
+    return source.model_copy(
+        update={
+            "low": (*source.low, 0.0),
+            "high": (*source.high, height),
+            "speed_low": None if slow is None else (*slow, 0.0),
+            "speed_high": None if fast is None else (*fast, 0.0),
+        }
+    )
+
+
+def standing_exit(region: ExitRegion, height: float) -> ExitRegion:
+    """An exit of a flat world from the floor up to a height, length; a polygon stays as it is."""
+    low, high = region.low, region.high
+    if low is None or high is None or len(low) == 3:
         return region
-    corners: dict[str, Any] = {"low": (*region.low, 0.0), "high": (*region.high, height)}
-    if isinstance(region, SourceRegion) and region.speed_low and region.speed_high:
-        corners["speed_low"] = (*region.speed_low, 0.0)
-        corners["speed_high"] = (*region.speed_high, 0.0)
-    return region.model_copy(update=corners)
+    return region.model_copy(update={"low": (*low, 0.0), "high": (*high, height)})
 
 
 def demand_box(low: tuple[float, ...], high: tuple[float, ...] | None) -> None:

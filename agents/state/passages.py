@@ -26,12 +26,14 @@ class Passages:
     """The number of the source or exit in the mission, from 0 on, int."""
     place: np.ndarray
     """Where the agent was then, (M, dim), length."""
+    is_known: bool = True
+    """Whether these are all there were: not in a recording that a kill has cut off."""
 
     @classmethod
-    def none(cls, dim: int) -> Self:
+    def none(cls, dim: int, is_known: bool = True) -> Self:
         """Nobody's."""
         nobody = np.empty(0, np.int64)
-        return cls(nobody, nobody, nobody, np.empty((0, dim)))
+        return cls(nobody, nobody, nobody, np.empty((0, dim)), is_known)
 
     def __len__(self) -> int:
         return len(self.tick)
