@@ -306,8 +306,11 @@ class Motion(FlockState):
         self._engine = None
         self.context = self._make_context()
 
-    def advance(self, ticks: int) -> None:
-        """Run ticks without collecting anything; frees the GIL while it runs."""
+    def advance(self, ticks: int, until_ended: bool = False) -> None:
+        """Run ticks without collecting anything; frees the GIL while it runs.
+
+        `until_ended`: stop at the tick at which the flock has become empty for good.
+        """
         if ticks > 0 and self._acted:
             remaining_rows = [
                 row for row in np.argsort(self.ids).tolist() if row not in self._acted
@@ -321,6 +324,8 @@ class Motion(FlockState):
                 self._run(ticks_to_run)
             self._count_ticks(ticks_to_run)
             ticks -= ticks_to_run
+            if until_ended and self.world.has_gates and self.has_ended:
+                return
 
     def _ticks_together(self, ticks: int) -> int:
         """How many of so many ticks, one at least, run before an event, or somebody may come or

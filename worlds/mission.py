@@ -19,6 +19,7 @@ Distance = Annotated[float, Field(strict=True, ge=0.0, lt=1e9)]
 Number = Annotated[float, Field(strict=True, gt=-1e9, lt=1e9)]
 Point = tuple[Number, Number] | tuple[Number, Number, Number]
 Points = Annotated[tuple[Point, ...], Field(min_length=1)]
+Corner = tuple[float, ...]
 Rate = Annotated[float, Field(strict=True, gt=0.0, lt=1e6)]
 Time = Annotated[float, Field(strict=True, ge=0.0, lt=1e9)]
 MOST_TIMES = 100_000
@@ -163,6 +164,20 @@ class ExitRegion(MissionPart):
         assert self.low is not None
         assert self.high is not None
         return shapely.box(*self.low[:2], *self.high[:2])
+
+    def corners(self, low: Corner, high: Corner) -> tuple[Corner, Corner]:
+        """The box around it; of a polygon in space as high as the box of its world [low, high]."""
+        if self.low is not None and self.high is not None:
+            return self.low, self.high
+        x0, y0, x1, y1 = self.outline.bounds
+        return (x0, y0, *low[2:]), (x1, y1, *high[2:])
+
+    def overlaps(self, low: Corner, high: Corner) -> bool:
+        """Whether it has an area, or a volume, in common with a box [low, high]."""
+        mine = self.corners(low, high)
+        is_apart = any(a >= d or b <= c for a, b, c, d in zip(*mine, low, high, strict=True))
+        box = shapely.box(*low[:2], *high[:2])
+        return not is_apart and self.outline.intersection(box).area > 0.0
 
 
 class Path(MissionPart):
