@@ -149,7 +149,9 @@ def draw_gates(axes: Any, world: World, plane_axes: list[int]) -> list[Any]:
         name: {"facecolor": "none", "edgecolor": colour, "hatch": hatch, "linewidth": 1.2}
         for name, colour, hatch in (("source", START, "///"), ("exit", GOAL, "\\\\\\"))
     }
-    boxes = [("source", (source.low, source.high), None) for source in mission.sources]
+    boxes: list[tuple[str, Any, Any]] = [
+        ("source", (source.low, source.high), None) for source in mission.sources
+    ]
     boxes += [("exit", region.corners(low, high), region.points) for region in mission.exits]
     for name, corners, points in boxes:
         if points is not None and plane_axes == [0, 1]:
