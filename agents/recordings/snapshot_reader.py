@@ -141,7 +141,10 @@ class SnapshotReader:
         table = self.rows(int(self.starts[place]), int(self.ends[place]))
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
         demand_usable(arrays, self.world, self.origin)
-        next_id = max(self.next_id, int(arrays.ids.max()) + 1)
+        entries = self.entries.until(tick)
+        # The newest may have left again: no identity is given twice.
+        newest = max(int(arrays.ids.max()), int(entries.id.max(initial=0)))
+        next_id = max(self.next_id, newest + 1)
         return Snapshot(
             self.model,
             self.world,
@@ -151,7 +154,7 @@ class SnapshotReader:
             arrays,
             next_id,
             True,
-            entries=self.entries.until(tick),
+            entries=entries,
             exits=self.exits.until(tick),
         )
 

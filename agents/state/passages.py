@@ -50,7 +50,8 @@ class Passages:
     def until(self, tick: int) -> Self:
         """Those up to a tick, itself among them."""
         count = int(np.searchsorted(self.tick, tick, side="right"))
-        return type(self)(self.tick[:count], self.id[:count], self.gate[:count], self.place[:count])
+        columns = self.tick, self.id, self.gate, self.place
+        return type(self)(*(column[:count] for column in columns), self.is_known)
 
     def counts(self, gates: int) -> np.ndarray:
         """How many passed each of so many gates, (gates,) int."""
