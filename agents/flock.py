@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Never, Unpack
@@ -13,15 +12,15 @@ import numpy as np
 from pydantic import BaseModel
 
 from agents import catalogue
-from agents.engine.noise import compile_draws, uniform_numbers
+from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
+from agents.gated_motion import GatedMotion
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.models.sources import cite
-from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
 from agents.option import whole_number
 from agents.recordings.recorder import STATES, Recorder
@@ -36,14 +35,11 @@ from agents.state.agent_rows import (
     start_arrays,
 )
 from agents.state.start import (
-    FIRST,
-    SPEED,
     Start,
     free_positions,
     given_start,
     random_headings,
     random_start,
-    start_gap,
 )
 from agents.strips.strip_engine import checked_ranks
 from worlds.generators import draw_obstacles
@@ -69,7 +65,7 @@ OWN_WORDS = (
 """What `Flock` takes beside options and parameters."""
 
 
-class Flock(TickClock, Motion):
+class Flock(TickClock, GatedMotion):
     """A flock of one model in one world.
 
     Parameters
@@ -204,6 +200,7 @@ class Flock(TickClock, Motion):
             self._swap_arrays(arrays)
         else:
             self._set_arrays(arrays)
+        self._begin_gates()
         model_reporters, agent_reporters = self._reporters
         self.datacollector = mesa.DataCollector(
             model_reporters=dict(model_reporters), agent_reporters=dict(agent_reporters)
@@ -253,23 +250,6 @@ class Flock(TickClock, Motion):
         InputError."""
         begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
         return self._with_start_speeds(begin, "speed" in start, first_id)
-
-    @property
-    def _start_gap(self) -> float:
-        """How far from what is solid agents start at least, length."""
-        gap = start_gap(self.model.body)
-        return 0.0 if gap is None else float(gap(self.parameters))
-
-    def _with_start_speeds(self, begin: Start, with_speeds: bool, first_id: int = 1) -> Start:
-        """The start with the one speed of the body, or, without speeds, those it begins with."""
-        body, n = self.model.body, len(begin.speed)
-        if body.speed is not None:
-            return replace(begin, speed=np.full(n, float(body.speed(self.parameters))))
-        if with_speeds or body.begins is None:
-            return begin
-        chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
-        speed = np.broadcast_to(body.begins(self.parameters, chance), n).copy()
-        return replace(begin, speed=speed)
 
     def _has_parameter(self, name: str) -> bool:
         """Whether a name that nothing else has is that of a parameter."""
@@ -564,9 +544,13 @@ class Flock(TickClock, Motion):
         """Write the state to a Parquet file; `Flock.load` goes on from it to the bit.
 
         The name ends in .parquet or .pq; a file of that name is replaced. Raises InputError, also
-        within a tick of agents that step one by one.
+        within a tick of agents that step one by one, and for a flock of nobody.
         """
         self._demand_whole_tick()
+        if not len(self.ids):
+            raise InputError(
+                f"the flock is empty at tick {self.tick}: a state holds one agent at least"
+            )
         with Recorder(path, self, endings=STATES, with_past=True) as recorder:
             recorder.write()
 

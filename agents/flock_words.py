@@ -165,7 +165,7 @@ class ParameterWords(TypedDict, total=False):
     w_cohesion: float
     w_seek: float
     w_separation: float
-    ways: Literal["two", "own"]
+    ways: Literal["two", "own", "goal"]
     wheel_max: float
     width: float
     windup: float

@@ -147,6 +147,8 @@ class Motion(FlockState):
         reason = reason_for_one_process(self.model, self.nearest, self.options)
         if self.interpret or DISABLED:
             reason = "plain Python runs in one process"
+        if self.world.has_gates:
+            reason = f"agents come and go in {self.world.name}"
         if self.threads > 1:
             reason = f"threads = {self.threads}, and each rank has one thread"
         if reason:
@@ -247,6 +249,8 @@ class Motion(FlockState):
             arrays,
             self.next_id,
             signals,
+            entries=self.entries,
+            exits=self.exits,
         )
 
     def return_to(self, past: Snapshot) -> None:
@@ -254,6 +258,7 @@ class Motion(FlockState):
         self._acted.clear()
         self.world, self.parameters = past.world, past.parameters
         self.tick, self.next_id = past.tick, past.next_id
+        self.entries, self.exits = past.entries, past.exits
         self._set_arrays(Arrays._make(map(np.array, past.arrays)))
         self._match_members()
 
@@ -295,13 +300,17 @@ class Motion(FlockState):
         """
         if world.dim != self.world.dim:
             raise InputError(f"a {self.world.dim}-D flock cannot go on in a {world.dim}-D world")
+        self._demand_gates(world)
         self._end_tick()
         self.world = world
         self._engine = None
         self.context = self._make_context()
 
-    def advance(self, ticks: int) -> None:
-        """Run ticks without collecting anything; frees the GIL while it runs."""
+    def advance(self, ticks: int, until_ended: bool = False) -> None:
+        """Run ticks without collecting anything; frees the GIL while it runs.
+
+        `until_ended`: stop at the tick at which the flock has become empty for good.
+        """
         if ticks > 0 and self._acted:
             remaining_rows = [
                 row for row in np.argsort(self.ids).tolist() if row not in self._acted
@@ -310,11 +319,29 @@ class Motion(FlockState):
                 self.step_member(row)
             ticks -= 1
         while ticks > 0:
-            ticks_to_run = self._ticks_to_event(min(ticks, STRETCH))
+            ticks_to_run = self._ticks_together(min(ticks, STRETCH))
             if len(self.ids):
                 self._run(ticks_to_run)
             self._count_ticks(ticks_to_run)
             ticks -= ticks_to_run
+            if until_ended and self.world.has_gates and self.has_ended:
+                return
+
+    def _ticks_together(self, ticks: int) -> int:
+        """How many of so many ticks, one at least, run before an event, or somebody may come or
+        go."""
+        ticks = self._ticks_to_event(ticks)
+        return self._ticks_to_gates(ticks) if self.world.has_gates else ticks
+
+    def _ticks_to_gates(self, ticks: int) -> int:
+        """How many of so many ticks, one at least, run before somebody may come or go."""
+        return ticks
+
+    def _pass_gates(self) -> None:
+        """Let agents come and go at the end of a tick."""
+
+    def _demand_gates(self, world: World) -> None:
+        """Raise InputError for gates that agents of this flock cannot pass."""
 
     def _ticks_to_event(self, ticks: int) -> int:
         """How many of so many ticks, one at least, can run before something else has its turn."""
@@ -329,6 +356,8 @@ class Motion(FlockState):
     def _count_ticks(self, ticks: int) -> None:
         """Count ticks that were run, and let what is due have its turn."""
         self.tick += ticks
+        if self.world.has_gates:
+            self._pass_gates()
         self._fire_due()
 
     def _run(self, ticks: int, until: EngineStopCondition = NEVER, trace: np.ndarray = UNTRACED):
@@ -338,15 +367,24 @@ class Motion(FlockState):
     def trace(self, ticks: int) -> np.ndarray:
         """Run ticks (>= 0); the positions after each of them, (ticks, N, dim)."""
         self._end_tick()
+        self._demand_no_gates()
         positions = np.empty((ticks, *self.position.shape))
         done = 0
         while done < ticks:
-            ticks_to_run = self._ticks_to_event(ticks - done)
+            ticks_to_run = self._ticks_together(ticks - done)
             self._demand_as_many(positions.shape[1])
             self._run(ticks_to_run, trace=positions[done : done + ticks_to_run])
             self._count_ticks(ticks_to_run)
             done += ticks_to_run
         return positions
+
+    def _demand_no_gates(self) -> None:
+        """Raise InputError where agents come and go."""
+        if self.world.has_gates:
+            raise InputError(
+                f"agents come and go in {self.world.name}: a run that traces positions, or waits "
+                "for something to hold, needs the same agents throughout"
+            )
 
     def _demand_as_many(self, n: int) -> None:
         """Raise InputError where an event has changed the number of agents of such a run."""
@@ -380,10 +418,11 @@ class Motion(FlockState):
         The rest as `run_until_consistent`.
         """
         self._end_tick()
+        self._demand_no_gates()
         until, n = until._replace(last_off=self.tick - 1), len(self.ids)
         while self.tick < limit:
             between()
-            ticks = self._ticks_to_event(min(CHUNK, limit - self.tick))
+            ticks = self._ticks_together(min(CHUNK, limit - self.tick))
             self._demand_as_many(n)
             done, last_off = self._run(ticks, until)
             self._count_ticks(done)

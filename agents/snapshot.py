@@ -14,9 +14,13 @@ from agents.models.model import Model
 from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
 from agents.observables.neighbours import groups_within, layers, links, nearest_links
 from agents.state.agent_rows import Crashes, active, crashes, select_rows
+from agents.state.passages import Passages
 from worlds.input_error import InputError, unknown
-from worlds.mission import along_route
+from worlds.mission import SourceRegion, along_route
 from worlds.world import World
+
+NOBODY = Passages.none(2)
+"""The passages of a flock through which nobody comes or goes."""
 
 
 class FlockState:
@@ -49,6 +53,27 @@ class FlockState:
     paired: np.ndarray | None = None
     """The places (N, dim) of the agents of another flock, with which these are compared one by one;
     NaN for those that are not. None: there is no such flock."""
+    entries: Passages = NOBODY
+    """Who has entered so far, at which tick, where and through which source of the mission."""
+    exits: Passages = NOBODY
+    """Who has left so far, at which tick, where and through which exit of the mission."""
+
+    @property
+    def _entered(self) -> list[tuple[SourceRegion, int]]:
+        """The sources of the mission, and how many have entered through each."""
+        sources = () if self.world.mission is None else self.world.mission.sources
+        return list(zip(sources, self.entries.counts(len(sources)).tolist(), strict=True))
+
+    @property
+    def waiting(self) -> int:
+        """Agents that are due at a source and have found no free place in it yet."""
+        return sum(max(0, source.due(self.elapsed) - number) for source, number in self._entered)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the flock is empty for good: nobody is left, and no source has more to come."""
+        is_empty = not len(self.arrays.ids)
+        return is_empty and all(math.isinf(one.next_due(number)) for one, number in self._entered)
 
     @property
     def position(self) -> np.ndarray:
@@ -154,6 +179,8 @@ class Snapshot(FlockState):
     """Whether it holds what agents tell each other at this tick, and not at the one before."""
     whole: Snapshot | None = None
     """The snapshot of which these are some of the agents."""
+    entries: Passages = NOBODY
+    exits: Passages = NOBODY
 
     @property
     def crashes(self) -> Crashes:

@@ -282,6 +282,11 @@ def demand_possible(flock: Flock) -> None:
             f"model {flock.model.name!r} has checks of its own of its parameters: "
             "a page cannot make them when a slider is moved"
         )
+    if flock.world.has_gates:
+        raise InputError(
+            f"agents come and go in {flock.world.name}: a page that runs by itself has the same "
+            "agents throughout"
+        )
     if not len(flock.ids):
         raise InputError("a page needs at least one agent")
     if flock.ranks != 1:

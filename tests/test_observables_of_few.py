@@ -46,8 +46,10 @@ NONE = {
     "group-angular-momentum": math.nan, "correlation-length": math.nan, "goal-distance": math.nan,
     "following": math.nan, "drag-saved": math.nan, "energy-saved": math.nan, "group-sizes": {},
     "group-table": {}, "layers": {}, "velocity-spread": 0.0, "gyration-radius": 0.0,
+    "entered": math.nan, "waiting": math.nan,
 }  # fmt: skip
-"""What a flock of nobody has, but for `crashes`, which goes on telling of those that were."""
+"""What a flock of nobody has, but for `crashes`, which goes on telling of those that were, and for
+what is told of exits."""
 ONE = {
     "polarisation": 1.0, "lane-order": 1.0, "consistency": 1.0, "angular-momentum": 0.0,
     "groups": 1,
@@ -61,6 +63,7 @@ ONE = {
 MAY_BE_NAN = {
     "correlation-length", "crashes", "goal-distance", "following", "drag-saved", "energy-saved",
     "divergence",
+    "entered", "waiting", "exited", "flow",
 }  # fmt: skip
 """What a flock of two may lack."""
 

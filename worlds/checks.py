@@ -52,6 +52,7 @@ def problems(world: World) -> list[Problem]:
         problem_list = dimension_problems(world, world.mission)
         if not problem_list:
             problem_list = start_problems(world, world.mission)
+            problem_list += gate_problems(world, world.mission)
             problem_list += place_problems(world, world.mission)
             problem_list += leg_problems(world, world.mission)
     return problem_list
@@ -119,19 +120,52 @@ def start_problems(world: World, mission: Mission) -> list[Problem]:
     if start is None or start.high is None or not world.is_solid:
         return []
     low, high = np.array(start.low), np.array(start.high)
+    if len(free_places(world, low, high)):
+        return []
+    return [no_room("mission.start", start.low, start.high)]
+
+
+def free_places(world: World, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Those of a grid of places in a box that are outside of what is solid, (n, dim)."""
     steps = (np.arange(START_STEPS) + 0.5) / START_STEPS
     grid = np.stack(np.meshgrid(*[steps] * world.dim, indexing="ij"), axis=-1)
     place = low + grid.reshape(-1, world.dim) * (high - low)
-    if (clearance(world, place) > 0.0).any():
-        return []
-    return [
-        Problem(
-            "mission.start",
-            start.low,
-            f"mission.start {spot(start.low)} to "
-            f"{spot(start.high)} has no room outside the obstacles",
-        )
-    ]
+    return place[clearance(world, place) > 0.0]
+
+
+def no_room(part: str, low: tuple[float, ...], high: tuple[float, ...]) -> Problem:
+    """What is wrong with a region of the mission in which nobody can be."""
+    text = f"{part} {spot(low)} to {spot(high)} has no room outside the obstacles"
+    return Problem(part, low, text)
+
+
+def gate_problems(world: World, mission: Mission) -> list[Problem]:
+    """Sources and exits outside of the world or without free space; as a warning, a source that
+    lies in an exit in part."""
+    problem_list = []
+    bottom, top = np.array(world.low), np.array(world.low) + world.size
+    for number, source in enumerate(mission.sources):
+        part = f"mission.sources[{number}]"
+        low, high = np.array(source.low), np.array(source.high)
+        is_closed = np.array([edge != "open" for edge in world.edges])
+        is_beyond_box = (((low < bottom) | (high > top)) & is_closed).any()
+        if is_beyond_box or (low >= top).any() or (high <= bottom).any():
+            text = f"{part} {spot(source.low)} to {spot(source.high)} is outside of the world"
+            problem_list.append(Problem(part, source.low, text))
+        elif not len(free_places(world, low, high)):
+            problem_list.append(no_room(part, source.low, source.high))
+        elif any(region.overlaps(source.low, source.high) for region in mission.exits):
+            text = f"{part} overlaps an exit: who enters there may leave at once"
+            problem_list.append(Problem(part, source.low, text, "warning"))
+    for number, region in enumerate(mission.exits):
+        part = f"mission.exits[{number}]"
+        begin, end = region.corners(world.low, tuple(top.tolist()))
+        if not region.overlaps(world.low, tuple(top.tolist())):
+            text = f"{part} {spot(begin)} to {spot(end)} is outside of the world"
+            problem_list.append(Problem(part, begin, text))
+        elif not region.contains(free_places(world, np.array(begin), np.array(end))).any():
+            problem_list.append(no_room(part, begin, end))
+    return problem_list
 
 
 def place_problems(world: World, mission: Mission) -> list[Problem]:

@@ -135,8 +135,8 @@ class World:
         """What its mission has, in words."""
         if self.mission is None:
             return "none"
-        parts = ("start", "path", "goal")
-        return ", ".join(name for name in parts if getattr(self.mission, name) is not None)
+        parts = ("start", "sources", "exits", "path", "goal")
+        return ", ".join(name for name in parts if getattr(self.mission, name))
 
     def picture(self, marks: Iterable[str] = ()) -> str:
         """It from above as SVG, with `marks`, SVG elements in its coordinates, over it."""
@@ -163,6 +163,11 @@ class World:
         """Whether there is anything solid: an obstacle, also one to be drawn, or an edge."""
         return bool(self.obstacles) or self.random is not None or "solid" in self.edges
 
+    @property
+    def has_gates(self) -> bool:
+        """Whether agents come in at sources or go out at exits."""
+        return self.mission is not None and self.mission.has_gates
+
     def to_layout(self) -> dict[str, Any]:
         """The layout that `worlds.layout.world_from_layout` makes this world of again, exactly."""
         layout: dict[str, Any] = {
@@ -177,7 +182,7 @@ class World:
             "boundary_spacing": self.boundary_spacing,
         }
         if self.mission is not None:
-            layout["mission"] = as_table(self.mission.model_dump(exclude_none=True))
+            layout["mission"] = as_table(self.mission.to_table())
         if self.obstacles:
             layout["obstacle"] = [as_table(shape_table(o)) for o in self.obstacles]
         if self.random is not None:

@@ -52,6 +52,18 @@ def has_informed_on_path(flock) -> bool:
     return mission is not None and mission.path is not None and has_informed(flock)
 
 
+def has_sources(flock) -> bool:
+    """Whether agents enter its world while it runs."""
+    mission = flock.world.mission
+    return mission is not None and bool(mission.sources)
+
+
+def has_exits(flock) -> bool:
+    """Whether agents leave its world while it runs."""
+    mission = flock.world.mission
+    return mission is not None and bool(mission.exits)
+
+
 def can_crash(flock) -> bool:
     """Whether agents that touch something crash."""
     return flock.can_crash
@@ -292,6 +304,50 @@ GROUPS = [
         of_flocks.group_table,
     ),
 ]
+GATES = [
+    Observable(
+        "entered",
+        "Agents that have entered through sources",
+        "agents",
+        LENGTH,
+        of_flocks.entered,
+        quick=True,
+        events=lambda flock: flock.entries.tick,
+        applies=has_sources,
+        tells=has_sources,
+    ),
+    Observable(
+        "waiting",
+        "Agents that are due at a source and find no free place in it",
+        "agents",
+        LENGTH,
+        of_flocks.waiting,
+        quick=True,
+        applies=has_sources,
+        tells=has_sources,
+    ),
+    Observable(
+        "exited",
+        "Agents that have left through exits",
+        "agents",
+        LENGTH,
+        of_flocks.exited,
+        quick=True,
+        events=lambda flock: flock.exits.tick,
+        applies=has_exits,
+        tells=has_exits,
+    ),
+    Observable(
+        "flow",
+        "Flow out of the exits, (N - 1) / (t_N - t_1) of the N agents that have left so far",
+        "agents/time",
+        LENGTH,
+        of_flocks.flow,
+        quick=True,
+        applies=has_exits,
+        tells=has_exits,
+    ),
+]
 FLIGHT = [
     Observable(
         "crashes",
@@ -352,7 +408,7 @@ TRACKS = [
 ]
 BUILT_IN = {
     observable.name: observable
-    for observable in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT, *TRACKS]
+    for observable in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *GATES, *FLIGHT, *TRACKS]
 }
 
 
@@ -371,7 +427,7 @@ ORDERED = ("polarisation", "consistency", "mean-neighbours")
 """What tells most of flocks that come to agree on a heading."""
 MILLING = ("polarisation", "angular-momentum", "groups")
 """What tells most of flocks that may also go round and round, or fall apart."""
-ENDS = ("crashes", "goal-distance")
+ENDS = ("crashes", "exited", "goal-distance")
 """What a flock that has one of them is to have a chart of."""
 CHARTS = 3
 

@@ -125,6 +125,37 @@ def crashes(flock) -> float:
     return len(flock.crashes) if flock.can_crash else math.nan
 
 
+def entered(flock) -> float:
+    """How many agents have entered through sources so far; nan in a world without."""
+    mission = flock.world.mission
+    is_told = mission is not None and mission.sources and flock.entries.is_known
+    return len(flock.entries) if is_told else math.nan
+
+
+def waiting(flock) -> float:
+    """How many agents are due at a source and find no free place; nan in a world without."""
+    return math.nan if math.isnan(entered(flock)) else flock.waiting
+
+
+def exited(flock) -> float:
+    """How many agents have left through exits so far; nan in a world without."""
+    mission = flock.world.mission
+    is_told = mission is not None and mission.exits and flock.exits.is_known
+    return len(flock.exits) if is_told else math.nan
+
+
+def flow(flock) -> float:
+    """J = (N - 1) / (t_N - t_1) of the N agents that have left, per unit of time.
+
+    The mean flow through a line as crowd science has it (Seyfried et al. 2009, "New insights into
+    pedestrian flow through bottlenecks"). nan until two have left at different ticks.
+    """
+    tick = flock.exits.tick
+    if math.isnan(exited(flock)) or len(tick) < 2 or tick[-1] == tick[0]:
+        return math.nan
+    return float((len(tick) - 1) / ((tick[-1] - tick[0]) * flock.dt))
+
+
 def drag_saved(flock) -> float:
     """Induced drag that the agents save by each other's upwash, mean, in percent.
 

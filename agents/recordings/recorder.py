@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -33,6 +34,10 @@ AXES = "xyz"
 PAST = "past"
 """The column of a saved state that holds what messages on their way tell."""
 LEG = "leg"
+ENTRIES, EXITS = "entries", "exits"
+"""Keys of the metadata that hold who has come and gone, where agents do."""
+MOST_PASSAGES = 300_000
+"""Of one file: its metadata stay below what is read of one."""
 
 
 class Column(NamedTuple):
@@ -167,7 +172,7 @@ class Recorder:
         except OSError as failure:
             raise self.cut_off(failure) from None
         try:
-            finish(self.part, self.path, self.overwrite)
+            finish(self.part, self.path, self.overwrite, describe_passages(self.snapshot()))
         except InputError as failure:
             raise InputError(
                 f"{failure}; every frame is in {self.part}: `flockscope recover {self.part}` once "
@@ -188,7 +193,8 @@ class Recorder:
         try:
             with open(self.part, "r+b") as file:
                 file.truncate(size)
-            finish(self.part, self.path, self.overwrite)
+            passages = describe_passages(self.snapshot(), tick)
+            finish(self.part, self.path, self.overwrite, passages)
         except (OSError, InputError):
             return InputError(
                 f"{reason}; {self.part} holds {remainder}: `flockscope recover {self.part}` "
@@ -288,23 +294,47 @@ def describe_columns(
     }
 
 
+def describe_passages(flock: Snapshot, tick: int | None = None) -> dict[str, Any]:
+    """Who has come and gone by a tick, by default by now, as JSON has it; empty without gates.
+
+    Of more than can be read again it holds nothing, as if it were not known.
+    """
+    if not flock.world.has_gates or len(flock.entries) + len(flock.exits) > MOST_PASSAGES:
+        return {}
+    last = flock.tick if tick is None else tick
+    return {
+        ENTRIES: flock.entries.until(last).to_table(),
+        EXITS: flock.exits.until(last).to_table(),
+    }
+
+
 def refused(path: Path, error: OSError) -> InputError:
     """The refusal for a file that cannot be written."""
     return InputError(f"recording {str(path)!r} cannot be written: {error.strerror or error}")
 
 
-def finish(part: Path, path: Path, overwrite: bool = True) -> int:
+def finish(
+    part: Path,
+    path: Path,
+    overwrite: bool = True,
+    passages: Mapping[str, Any] = MappingProxyType({}),
+) -> int:
     """Turn a `.part` stream into the file `path`, Parquet or CSV; returns the rows.
 
+    `passages`: who has come and gone, which is known at the end alone: to be added to the metadata.
     Raises InputError if it cannot be written or is no stream of ours, or OSError if the `.part`
     cannot be read.
     """
     rows = 0
     with open(part, "rb") as source:
         stream = PartStream(part, source)
+        schema = stream.schema
+        if passages:
+            meta = {**json.loads(schema.metadata[KEY]), **passages}
+            schema = schema.with_metadata({KEY: json.dumps(meta).encode()})
         with (
             writing("recording", path, overwrite, RECORDINGS) as file,
-            table_writer(path, file, stream.schema) as writer,
+            table_writer(path, file, schema) as writer,
         ):
             for batch in stream.batches(FLUSH_ROWS):
                 writer.write_batch(batch)

@@ -16,15 +16,26 @@ from agents.flock_world import find_world
 from agents.models.declare import checked
 from agents.option import whole_number
 from agents.recordings.parquet_table import ParquetTable, demand_format
-from agents.recordings.recorder import FORMAT, KEY, PAST, SHEET, describe_columns, table_writer
+from agents.recordings.recorder import (
+    ENTRIES,
+    EXITS,
+    FORMAT,
+    KEY,
+    PAST,
+    SHEET,
+    describe_columns,
+    table_writer,
+)
 from agents.recordings.snapshot_reader import SnapshotReader, TickIndex, demand_kinds
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.agent_rows import LARGEST
+from agents.state.passages import Passages
 from worlds.checks import demand_sound
 from worlds.file_writer import writing
 from worlds.input_error import InputError, demand_line, shorten, unknown
 from worlds.layout import world_from_layout
+from worlds.mission import Mission
 from worlds.world import World
 
 if TYPE_CHECKING:
@@ -86,6 +97,7 @@ class Recording:
             }
             self.layout: dict[str, Any] = dict(meta["world"])
             self.world_name = demand_text_line(meta["world_name"])
+            self.passages = {name: meta.get(name) for name in (ENTRIES, EXITS)}
         except KeyError as missing:
             raise self.bad_metadata(f"it has no {missing}") from None
         except RecursionError:
@@ -150,17 +162,36 @@ class Recording:
     @cached_property
     def frames(self) -> SnapshotReader:
         """The flocks at its ticks, for those who look at many. Raises InputError."""
+        gates = self.entries_and_exits(self.world)
         return SnapshotReader(
-            self.index, self.spec, model(self.spec.model), self.world, self.next_id
+            self.index, self.spec, model(self.spec.model), self.world, self.next_id, *gates
         )
+
+    def entries_and_exits(self, world: World) -> tuple[Passages, Passages]:
+        """Who came and went in this world by the end of the file. Raises InputError."""
+        mission = world.mission or Mission()
+        tables = self.passages[ENTRIES], self.passages[EXITS]
+        if not mission.has_gates or None in tables:
+            nobody = Passages.none(world.dim, not mission.has_gates)
+            return nobody, nobody
+        entries, exits = (
+            Passages.from_table(table, world.dim, len(gates), self.file.origin)
+            for table, gates in zip(tables, (mission.sources, mission.exits), strict=True)
+        )
+        return entries, exits
 
     def state(self, tick: int | None = None) -> Snapshot:
         """The same as `at`, in the world that its spec gives a run that goes on. Raises
         InputError."""
         flock_model = model(self.spec.model)
-        frames = SnapshotReader(
-            self.index, self.spec, flock_model, find_world(self.spec, flock_model), self.next_id
-        )
+        world = find_world(self.spec, flock_model)
+        gates = self.entries_and_exits(world)
+        if not gates[0].is_known:
+            raise InputError(
+                f"{self.file.origin} does not hold who came and went in {world.name}, since its "
+                "run was killed or let too many through: no run can go on from it"
+            )
+        frames = SnapshotReader(self.index, self.spec, flock_model, world, self.next_id, *gates)
         return frames.at(int(self.ticks[-1]) if tick is None else tick)
 
     def table(self, columns: Iterable[str] | None = None, ticks: Any = None) -> Any:

@@ -11,9 +11,10 @@ from agents.models.declare import checked
 from agents.models.model import Model
 from agents.recordings.parquet_table import BATCH, MOST_NUMBERS, ParquetTable
 from agents.recordings.recorder import AXES, PAST, arrays_of
-from agents.snapshot import Snapshot
+from agents.snapshot import NOBODY, Snapshot
 from agents.spec import CompleteSpec
 from agents.state.agent_rows import LARGEST, demand_usable
+from agents.state.passages import Passages
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -107,7 +108,14 @@ class SnapshotReader:
     """Takes snapshots from a recording; the rows that lie together are kept at hand."""
 
     def __init__(
-        self, index: TickIndex, spec: CompleteSpec, model: Model, world: World, next_id: int
+        self,
+        index: TickIndex,
+        spec: CompleteSpec,
+        model: Model,
+        world: World,
+        next_id: int,
+        entries: Passages = NOBODY,
+        exits: Passages = NOBODY,
     ):
         self.file, self.index = index.file, index
         self.ticks, self.starts, self.ends = index.ticks, index.starts, index.ends
@@ -116,6 +124,7 @@ class SnapshotReader:
         self.model = model
         self.world = world
         self.next_id = next_id
+        self.entries, self.exits = entries, exits
         self.parameters = checked(model.parameters, spec.parameters, self.origin)
         self.groups: OrderedDict[int, Any] = OrderedDict()
 
@@ -132,7 +141,10 @@ class SnapshotReader:
         table = self.rows(int(self.starts[place]), int(self.ends[place]))
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
         demand_usable(arrays, self.world, self.origin)
-        next_id = max(self.next_id, int(arrays.ids.max()) + 1)
+        entries = self.entries.until(tick)
+        # The newest may have left again: no identity is given twice.
+        newest = max(int(arrays.ids.max()), int(entries.id.max(initial=0)))
+        next_id = max(self.next_id, newest + 1)
         return Snapshot(
             self.model,
             self.world,
@@ -142,6 +154,8 @@ class SnapshotReader:
             arrays,
             next_id,
             True,
+            entries=entries,
+            exits=self.exits.until(tick),
         )
 
     def rows(self, first: int, end: int) -> Any:

@@ -29,9 +29,10 @@ FORCES = ("drive", "pedestrians", "walls", "limit")
 """The terms of the acceleration, m/s^2; the last is what keeps it below its largest speed."""
 WAY_X, WAY_Y = 0, 1
 """Where the signals have the desired direction."""
-KNOWN, DEVIATION = 0, 1
-"""Where the memory has whether the desired speed is known, and by how many deviations it is off."""
-TWO = 0.0
+KNOWN, DEVIATION, AIM_X, AIM_Y = 0, 1, 2, 3
+"""Where the memory has whether the desired speed is known, by how many deviations it is off, and
+the direction to the goal: 0, 0 while none is known."""
+TWO, GOAL = 0.0, 2.0
 """`ways` as compiled code has it."""
 DRAW = 4
 """The draws of a rule's own, of which the desired speed takes two."""
@@ -55,13 +56,13 @@ class Pedestrians(Parameters):
         step=0.5,
         source="ours: beyond it the repulsion is below 0.001 m/s^2",
     )
-    ways: Literal["two", "own"] = parameter(
+    ways: Literal["two", "own", "goal"] = parameter(
         "two",
-        "Where they want to go: along +x or -x, whichever is nearer to the heading at the start, "
-        "or along that heading itself",
+        "Where they want to go: along +x or -x, whichever is nearer to the heading at the start; "
+        "along that heading itself; or to the goal of the world, where there is one",
         words="Ways",
         symbol="e",
-        source="Helbing and Molnar 1995, figure 2: a walkway; the other is ours",
+        source="Helbing and Molnar 1995, figure 2: a walkway; (1): a goal; the other is ours",
     )
     v0: float = parameter(
         1.34,
@@ -191,19 +192,27 @@ class Pedestrians(Parameters):
 
 @compiled
 def show(me, p, out):
-    """The desired direction e_a: from the heading at the start."""
+    """The desired direction e_a: from the heading at the start, or to the goal, as it was seen in
+    the tick before."""
     if me.signal[WAY_X] == UNKNOWN:
         two = p.ways == TWO
         side = 1.0 if me.ux >= 0.0 else -1.0
         out[WAY_X] = side if two else me.ux
         out[WAY_Y] = 0.0 if two else me.uy
+    if p.ways == GOAL and (me.memory[AIM_X] != 0.0 or me.memory[AIM_Y] != 0.0):
+        out[WAY_X], out[WAY_Y] = me.memory[AIM_X], me.memory[AIM_Y]
 
 
 @compiled
 def perceive(me, near, surroundings, p):
-    """The desired speed, once."""
+    """The desired speed, once, and the direction to the goal: e_a of (1)."""
     if me.memory[KNOWN] == 0.0:
         me.memory[KNOWN], me.memory[DEVIATION] = 1.0, normal(me.key, me.id, DRAW)
+    if p.ways == GOAL and surroundings.route.shape[0] > 0:
+        x, y = surroundings.goal[0, 0] - me.x, surroundings.goal[0, 1] - me.y
+        away = math.sqrt(x * x + y * y)
+        if away > 0.0:
+            me.memory[AIM_X], me.memory[AIM_Y] = x / away, y / away
 
 
 @compiled
@@ -352,11 +361,13 @@ RULE = Rule(
     dimensions=(2,),
     signals=("way_x", "way_y"),
     show=show,
-    memory=("known", "deviation"),
+    memory=("known", "deviation", "goal_x", "goal_y"),
+    written=("goal_x", "goal_y"),
     words={
         "way": "desired direction",
         "known": "desired speed known?",
         "deviation": "speed off the mean by",
+        "goal": "direction to the goal",
     },
     perceive=perceive,
     weigh=weigh,

@@ -11,7 +11,7 @@ import numpy as np
 from agents.engine.noise import AT_ONCE, BEYOND, uniform_numbers
 from worlds.checks import demand_free, demand_in_box
 from worlds.input_error import InputError, unknown
-from worlds.mission import Mission, StartRegion
+from worlds.mission import Mission, SourceRegion, StartRegion
 from worlds.queries.clearance import clearance
 from worlds.world import World
 
@@ -116,16 +116,27 @@ def random_start(
     if mission is None or mission.start is None:
         heading[:informed] = goal_heading(world.dim)
     else:
-        region = mission.start
-        if region.speed_low is not None and region.speed_high is not None:
-            chance = uniform_numbers(seed, FIRST, order + 1, world.dim, SPEED)
-            slow, fast = np.array(region.speed_low), np.array(region.speed_high)
-            velocity = chance * (fast - slow) + slow
-            speed = np.linalg.norm(velocity, axis=1)
-            moves = speed > 0.0
-            heading[moves] = velocity[moves] / speed[moves, None]
+        region_velocities(mission.start, seed, order + 1, heading, speed)
         heading[:informed] = mission_headings(mission, position[:informed])
     return Start(position, heading, np.arange(n) < informed, speed, order)
+
+
+def region_velocities(
+    region: StartRegion | SourceRegion,
+    seed: int,
+    ids: np.ndarray,
+    heading: np.ndarray,
+    speed: np.ndarray,
+) -> None:
+    """Write the headings (N, dim) and speeds (N,) of agents of a region that has velocities."""
+    if region.speed_low is None or region.speed_high is None:
+        return
+    chance = uniform_numbers(seed, FIRST, ids, heading.shape[1], SPEED)
+    slow, fast = np.array(region.speed_low), np.array(region.speed_high)
+    velocity = chance * (fast - slow) + slow
+    speed[:] = np.linalg.norm(velocity, axis=1)
+    moves = speed > 0.0
+    heading[moves] = velocity[moves] / speed[moves, None]
 
 
 def mission_headings(mission: Mission, position: np.ndarray) -> np.ndarray:

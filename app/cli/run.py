@@ -158,10 +158,16 @@ def run(
         )
     took = time.perf_counter() - started
     lookout.check()
-    if save:
+    if save and flock.has_ended:
+        print_stderr(f"flockscope: {save} is not written: a saved state holds one agent at least")
+        save = None
+    elif save:
         flock.save(save)
     if not is_complete:
         exit_stopped(flock, first + length, record, save, every)
+    if flock.tick < first + length and not quiet:
+        print_stderr(f"flockscope: the run ends at tick {flock.tick}: everybody has left")
+    length = flock.tick - first
     result = outcome(flock, observed, length, took, follower.series if over else None)
     if not quiet:
         print_written_files(record, save, save_spec)

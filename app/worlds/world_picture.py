@@ -89,6 +89,8 @@ def draw_mission(axes: Any, world: World, plane: tuple[int, int] = (0, 1)) -> li
     signs: list[Any] = []
     if mission and mission.start:
         signs.append(draw_start(axes, mission.start, world.dim, plane_axes))
+    if mission and mission.has_gates:
+        signs += draw_gates(axes, world, plane_axes)
     if mission and mission.path:
         signs.append(draw_path(axes, mission.path, plane_axes))
     if mission and mission.goal:
@@ -110,6 +112,11 @@ def reaches(world: World) -> list[np.ndarray]:
     pieces: list[np.ndarray] = []
     if mission and mission.start:
         pieces += [corner[:2] for corner in start_box(mission.start, world.dim)]
+    if mission:
+        pieces += [np.array(c[:2]) for source in mission.sources for c in (source.low, source.high)]
+        for region in mission.exits:
+            x0, y0, x1, y1 = region.outline.bounds
+            pieces += [np.array([x0, y0]), np.array([x1, y1])]
     if mission and mission.path:
         pieces += [np.array(point[:2]) for point in mission.path.waypoints]
     if mission and mission.goal:
@@ -129,6 +136,33 @@ def draw_start(axes: Any, start: StartRegion, dim: int, plane_axes: list[int]) -
     )  # fmt: skip
     of = f" of {AGENTS} agents" if start.high is None else ""
     return Patch(facecolor=START + "30", edgecolor=START, label=f"start{of}")
+
+
+def draw_gates(axes: Any, world: World, plane_axes: list[int]) -> list[Any]:
+    """The sources and the exits, hatched; returns a sign for each of both kinds."""
+    from matplotlib.patches import Patch, Rectangle
+    from matplotlib.patches import Polygon as Outline
+
+    mission, signs = world.mission or Mission(), []
+    low, high = world.low, tuple(np.add(world.low, world.size))
+    styles: dict[str, dict[str, Any]] = {
+        name: {"facecolor": "none", "edgecolor": colour, "hatch": hatch, "linewidth": 1.2}
+        for name, colour, hatch in (("source", START, "///"), ("exit", GOAL, "\\\\\\"))
+    }
+    boxes: list[tuple[str, Any, Any]] = [
+        ("source", (source.low, source.high), None) for source in mission.sources
+    ]
+    boxes += [("exit", region.corners(low, high), region.points) for region in mission.exits]
+    for name, corners, points in boxes:
+        if points is not None and plane_axes == [0, 1]:
+            axes.add_patch(Outline(points, zorder=3, **styles[name]))
+            continue
+        begin, end = (np.array(corner)[plane_axes] for corner in corners)
+        axes.add_patch(Rectangle(tuple(begin), *(end - begin), zorder=3, **styles[name]))
+    for name, gates in (("source", mission.sources), ("exit", mission.exits)):
+        if gates:
+            signs.append(Patch(label=name if len(gates) == 1 else f"{name}s", **styles[name]))
+    return signs
 
 
 def draw_path(axes: Any, path: MissionPath, plane_axes: list[int]) -> Any:

@@ -185,7 +185,8 @@ def run_ticks(
 ) -> bool:
     """Run ticks, recording the first, every `every`-th and the last; False if asked to stop.
 
-    A recording is whole in either case. `look` is called after each of the last `over` ticks, and
+    A flock that is empty for good ends the run, unless it is to be looked at to its last tick. A
+    recording is whole in either case. `look` is called after each of the last `over` ticks, and
     `check` after each stretch.
     Raises InputError if the recording cannot be written.
     """
@@ -197,12 +198,12 @@ def run_ticks(
         write()
         written = flock.tick
         stretch = 1
-        while flock.tick < last and not stopping.asked:
+        while flock.tick < last and not stopping.asked and not ended(flock, over):
             until_frame = every - (flock.tick - first) % every
             until_looked_at = max(1, last - over - flock.tick) if over else ticks
             n = min(stretch, last - flock.tick, until_frame if recorder else ticks, until_looked_at)
             started = time.monotonic()
-            flock.run(n)
+            flock.advance(n, until_ended=not over)
             check()
             if flock.tick > last - over:
                 look()
@@ -213,7 +214,12 @@ def run_ticks(
             progress.update((flock.tick - first) / ticks, text=f"tick {flock.tick}")
         if written != flock.tick:
             write()
-        return flock.tick == last
+        return flock.tick == last or ended(flock, over)
+
+
+def ended(flock: Flock, over: int) -> bool:
+    """Whether everybody has left for good, and nobody wants to look at the rest of the run."""
+    return not over and flock.world.has_gates and flock.has_ended
 
 
 def stretch_length(stretch: int, seconds: float) -> int:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from worlds.checks import place_problems, shape_problems, start_problems
+from worlds.checks import gate_problems, place_problems, shape_problems, start_problems
 from worlds.input_error import InputError
 from worlds.mission import Goal
 from worlds.obstacles import Disc, Polygon, obstacle
@@ -229,6 +229,7 @@ def demand_possible(world: World) -> None:
     for problem in (
         *place_problems(world, world.mission),
         *start_problems(world, world.mission),
+        *gate_problems(world, world.mission),
     ):
         if problem.severity == "error":
             raise InputError(problem.text)

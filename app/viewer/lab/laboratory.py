@@ -143,6 +143,8 @@ class Laboratory:
             self.scene = Scene(self.server)
         self.selected: int | None = None
         self.selected_beside = False
+        self.selected_identity: tuple[int, int] | None = None
+        """In which run it is whom, where agents come and go."""
         self.wanted = FrameRequest()
         self.watched: frozenset[str] = frozenset()
         self.elsewhere = WatchPageRequest()
@@ -526,6 +528,21 @@ class Laboratory:
     def select(self, row: int | None, beside: bool = False) -> None:
         """Inspect an agent, of the flock beside if so; None for none."""
         self.selected, self.selected_beside = row, beside and row is not None
+        self.selected_identity = None
+
+    def keep_selected(self, frame: Frame) -> None:
+        """Stay with the selected agent where others come and go, until it is gone itself."""
+        if self.selected is None or not frame.world.has_gates:
+            self.selected_identity = None
+        elif self.selected_identity is None or self.selected_identity[0] != frame.run:
+            if self.selected < len(frame.ids):
+                self.selected_identity = frame.run, int(frame.ids[self.selected])
+        else:
+            rows = np.flatnonzero(frame.ids == self.selected_identity[1])
+            if len(rows):
+                self.selected = int(rows[0])
+            else:
+                self.select(None)
 
     def switch_links(self) -> None:
         """Show links, or hide them."""
@@ -585,6 +602,7 @@ class Laboratory:
             links=look.links,
             points=look.points,
             row=self.selected,
+            identity=None if self.selected_identity is None else self.selected_identity[1],
             beside=self.selected_beside,
             others=self.elsewhere.rows,
             others_beside=self.elsewhere.rows_beside,
@@ -624,6 +642,7 @@ class Laboratory:
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame
+        self.keep_selected(looked_at)
         drawn_at = self.scene.display_place(self.selected, int(self.selected_beside))
         self.inspector.refresh(looked_at, self.selected, drawn_at)
         if self.selected is not None and looked_at.inspected is None:

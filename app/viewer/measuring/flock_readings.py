@@ -51,9 +51,12 @@ class MinimumDistances:
     def is_wanted(self) -> bool:
         """Whether the flock is watched: few agents, on a mission or among what is solid.
 
-        Where agents crash there is no need: the crashes tell how close they came.
+        Where agents crash there is no need: the crashes tell how close they came. Where they come
+        and go there are no rows that stay.
         """
         world = self.flock.world
+        if world.has_gates:
+            return False
         few = len(self.flock.ids) <= MOST_AGENTS and not self.flock.can_crash
         return self.keeps and few and (world.mission is not None or world.is_solid)
 

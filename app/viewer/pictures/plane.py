@@ -25,7 +25,17 @@ from app.viewer.scene.draw.line_segments import nearest_image
 from app.viewer.scene.marks.agents import dart_rows
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import FISH
-from app.worlds.world_picture import FLOOR, GOAL, INK, PALE, START, draw_path, draw_solid, view
+from app.worlds.world_picture import (
+    FLOOR,
+    GOAL,
+    INK,
+    PALE,
+    START,
+    draw_gates,
+    draw_path,
+    draw_solid,
+    view,
+)
 from worlds.input_error import InputError, unknown
 from worlds.mission import Mission
 from worlds.world import World
@@ -82,6 +92,8 @@ class Plane:
         axes, world = self.axes, self.world
         signs = draw_solid(axes, world)
         mission = world.mission or Mission()
+        if mission.has_gates:
+            signs += draw_gates(axes, world, [0, 1])
         if mission.path:
             signs.append(draw_path(axes, mission.path, [0, 1]))
         if mission.goal:

@@ -33,6 +33,8 @@ class FrameRequest:
     """Boundary points of obstacles."""
     row: int | None = None
     """Row of the agent to inspect."""
+    identity: int | None = None
+    """Whose row it is, where agents come and go: it may be another one by now."""
     beside: bool = False
     """Whether that is an agent of the flock beside."""
     others: frozenset[int] = frozenset()
@@ -74,6 +76,8 @@ class FrameBuilder:
     points: np.ndarray | None = None
     inspected: Inspection | None = None
     others: Mapping[int, Inspection] = field(default_factory=dict)
+    examined: np.ndarray = field(default_factory=lambda: np.empty(0, int))
+    """The identities of the rows that were last examined."""
     fastest: float = 1e-12
     surveyed: object | None = None
     """The world whose boundary points are at hand."""
@@ -96,6 +100,8 @@ class FrameBuilder:
         """A frame of the flock now; layers, groups and links are as last examined."""
         flock, now = self.flock, self.flock.snapshot()
         active = now.active
+        if now.world.has_gates and not np.array_equal(self.examined, now.ids):
+            self.layer = self.group = self.links = self.measured = None  # of other rows
         self.fastest = max(self.fastest, float(np.max(now.speed, initial=0.0, where=active)))
         return Frame(
             run=self.run,
@@ -139,6 +145,8 @@ class FrameBuilder:
             if request.layers or request.groups or request.links or request.measured in OF_AGENTS:
                 refuse_too_many_links(flock)
             now = flock.snapshot(copy=False)
+            if now.world.has_gates:
+                self.examined = now.ids.copy()
             self.layer = now.layers() if request.layers else None
             self.group = now.group_labels() if request.groups else None
             self.links = now.links() if request.links else None
@@ -156,6 +164,9 @@ class FrameBuilder:
     def inspect(self) -> None:
         """Look at the wanted agent and at whom it listens to."""
         row, self.inspected = self.wanted.row, None
+        if self.wanted.identity is not None:
+            rows = np.flatnonzero(self.flock.ids == self.wanted.identity)
+            row = int(rows[0]) if len(rows) else None
         if row is None or not 0 <= row < len(self.flock.ids) or not self.is_warm():
             return
         self.inspected = self.flock.inspect(row)

@@ -239,8 +239,13 @@ class WatchPage:
         watcher, drawing = self.watchers.get(client.client_id), self.drawing
         if watcher is None or drawing is None or drawing.drawn is None:
             return
-        run = drawing.drawn[0].run
-        watcher.choose(None if row is None else AgentSelection(row, beside, run))
+        frame = drawing.drawn[0]
+        flock = frame.beside if beside else frame
+        if row is None or flock is None or row >= len(flock.ids):
+            watcher.choose(None)
+            return
+        identity = int(flock.ids[row]) if flock.world.has_gates else None
+        watcher.choose(AgentSelection(row, beside, frame.run, identity))
 
     def point(self, client: viser.ClientHandle, camera: str) -> None:
         """Point one browser's camera."""

@@ -48,13 +48,18 @@ class AgentSelection:
     """Whether it is one of the flock beside."""
     run: int = 0
     """The run that it is of."""
+    identity: int | None = None
+    """Who it is, where agents come and go: once another one is in that row nobody is chosen."""
 
     def side(self, frame: Frame) -> Frame | None:
         """The frame of its flock; None where that is there no more."""
         if frame.run != self.run:
             return None
         flock = frame.beside if self.beside else frame
-        return flock if flock is not None and self.row < len(flock.ids) else None
+        if flock is None or self.row >= len(flock.ids):
+            return None
+        is_same = self.identity is None or flock.ids[self.row] == self.identity
+        return flock if is_same else None
 
 
 class OwnMarks:

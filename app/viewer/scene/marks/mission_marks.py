@@ -123,6 +123,8 @@ class MissionMarks:
         self._behind = add_lines(scene, f"{self._name}/path/behind", thickness=2.0)
         self._route = add_lines(scene, f"{self._name}/route", thickness=1.6)
         self._start = add_lines(scene, f"{self._name}/start", thickness=1.6)
+        self._sources = add_lines(scene, f"{self._name}/sources", thickness=1.6)
+        self._exits = add_lines(scene, f"{self._name}/exits", thickness=1.6)
         self._goal = GoalMark(scene, f"{self._name}/goal")
         self._injected = InjectedCar(scene, f"{self._name}/goal")
         self._spots = scene.add_batched_meshes_simple(
@@ -147,6 +149,7 @@ class MissionMarks:
         if key != self._drawn:
             self._drawn, self._done = key, None
             changes += self._draw_start(picture) + self._draw_route(picture, mission)
+            changes += self._draw_gates(picture, mission)
             self._write(picture, world)
         done = picture.frame.progress.done
         if done != self._done:
@@ -163,15 +166,33 @@ class MissionMarks:
         hidden = fenced is not None and room is not None and np.allclose(room, fenced)
         if room is None or hidden or not picture.look.start:
             return [(self._start, "visible", False)]
-        low, high = (picture.stage.to_display(corner) for corner in room)
-        edges = box_edges(0.5 * (high - low)) + 0.5 * (low + high)
-        if picture.stage.dim == 2:
-            edges[..., 2] = ABOVE
-        lines = [
-            dashes(edge, DASH * picture.stage.side, DASH * picture.stage.side)[0] for edge in edges
-        ]
+        lines = dashed_box(picture, *room)
         colour = picture.mix_with_backdrop(palette.START, 0.35)
-        return segments(self._start, np.concatenate(lines), palette.node_colour(colour))
+        return segments(self._start, lines, palette.node_colour(colour))
+
+    def _draw_gates(self, picture: Picture, mission: Mission) -> Changes:
+        """The outlines of sources and exits, dashed."""
+        world, changes = picture.frame.world, []
+        low, high = world.low, tuple(np.add(world.low, world.size))
+        boxes = [dashed_box(picture, source.low, source.high) for source in mission.sources]
+        outlines = [
+            dashed_box(picture, *region.corners(low, high))
+            if region.points is None or world.dim == 3
+            else dashes(
+                floor_places(picture, closed_way(region.points, True)),
+                DASH * picture.stage.side,
+                DASH * picture.stage.side,
+            )[0]
+            for region in mission.exits
+        ]
+        marks = (self._sources, boxes, palette.START), (self._exits, outlines, palette.GOAL)
+        for node, lines, colour in marks:
+            if not lines or not picture.look.mission:
+                changes.append((node, "visible", False))
+                continue
+            tint = palette.node_colour(picture.mix_with_backdrop(colour, 0.35))
+            changes += segments(node, np.concatenate(lines), tint)
+        return changes
 
     def _draw_route(self, picture: Picture, mission: Mission) -> Changes:
         """The way of the goal, if it moves."""
@@ -292,6 +313,16 @@ class GoalMark:
         changes += [(soft, "visible", flat) for soft in self._soft]
         changes += [(self._bubble, "visible", not flat), (self._bead, "visible", True)]
         return [*changes, (self._label, "position", at + up), (self._label, "visible", True)]
+
+
+def dashed_box(picture: Picture, low: Any, high: Any) -> np.ndarray:
+    """The edges of a box with these corners (dim,), dashed, on the display; pieces (K, 2, 3)."""
+    begin, end = (picture.stage.to_display(np.array(corner, float)) for corner in (low, high))
+    edges = box_edges(0.5 * (end - begin)) + 0.5 * (begin + end)
+    if picture.stage.dim == 2:
+        edges[..., 2] = ABOVE
+    dash = DASH * picture.stage.side
+    return np.concatenate([dashes(edge, dash, dash)[0] for edge in edges])
 
 
 def closed_way(points: Any, closed: bool) -> np.ndarray:

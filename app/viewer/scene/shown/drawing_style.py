@@ -85,9 +85,11 @@ def can_be_numbered(frame: Frame, _look: object = None) -> bool:
 
 
 def has_way(frame: Frame, _look: object = None) -> bool:
-    """Whether there are waypoints or a goal."""
+    """Whether there are waypoints, a goal, sources or exits."""
     mission = frame.world.mission
-    return mission is not None and (mission.path is not None or mission.goal is not None)
+    if mission is None:
+        return False
+    return mission.path is not None or mission.goal is not None or mission.has_gates
 
 
 def is_fenced(frame: Frame, _look: object = None) -> bool:
