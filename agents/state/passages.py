@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -45,13 +45,19 @@ class Passages:
             np.append(self.id, ids),
             np.append(self.gate, gate),
             np.concatenate([self.place, place]),
+            self.is_known,
         )
 
     def until(self, tick: int) -> Self:
         """Those up to a tick, itself among them."""
         count = int(np.searchsorted(self.tick, tick, side="right"))
-        columns = self.tick, self.id, self.gate, self.place
-        return type(self)(*(column[:count] for column in columns), self.is_known)
+        return replace(
+            self,
+            tick=self.tick[:count],
+            id=self.id[:count],
+            gate=self.gate[:count],
+            place=self.place[:count],
+        )
 
     def counts(self, gates: int) -> np.ndarray:
         """How many passed each of so many gates, (gates,) int."""
