@@ -111,7 +111,7 @@ def test_a_rate_lets_in_as_many_as_are_due_at_every_tick(rate):
         flock.run(1)
         assert flock.observe("entered") == math.floor(round(rate * tick, 9))
         assert len(flock.ids) == 1 + flock.observe("entered")
-        assert flock.observe("waiting") == 0
+        assert flock.observe("waiting-to-enter") == 0
     assert flock.ids.tolist() == list(range(1, len(flock.ids) + 1))
 
 
@@ -137,7 +137,7 @@ def test_a_rate_ends_with_the_most_that_it_lets_in():
     source = SourceRegion(low=(0.0, 0.0), high=(10.0, 10.0), rate=2.0, most=7)
     flock = walker(1.0, hall(sources=[source], edges="wrap"))
     flock.run(50)
-    assert (flock.observe("entered"), flock.observe("waiting")) == (7, 0)
+    assert (flock.observe("entered"), flock.observe("waiting-to-enter")) == (7, 0)
 
 
 def test_who_finds_no_place_waits_and_enters_once_there_is_one():
@@ -145,12 +145,12 @@ def test_who_finds_no_place_waits_and_enters_once_there_is_one():
     source = SourceRegion(low=(1.0, 4.9), high=(1.2, 5.1), rate=0.5, spacing=3.0, most=3)
     flock = walker(1.0, hall(sources=[source]), speed=0.125)
     flock.run(20)
-    assert (flock.observe("entered"), flock.observe("waiting")) == (0, 3)
+    assert (flock.observe("entered"), flock.observe("waiting-to-enter")) == (0, 3)
     flock.run(8)
     first = flock.entries.tick.tolist()
     assert len(first) == 1
     assert 24 <= first[0] <= 26  # 3 to 3.2 away by then
-    assert flock.observe("waiting") == 2
+    assert flock.observe("waiting-to-enter") == 2
 
 
 @pytest.mark.parametrize("region", [EAST, CORNER])
@@ -210,7 +210,7 @@ def test_newcomers_stand_in_their_source_clear_of_walls_and_of_each_other(
             if edges == "wrap":
                 away -= np.round(away / 10.0) * 10.0
             assert np.linalg.norm(away, axis=1).min() >= spacing
-    assert flock.observe("entered") + flock.observe("waiting") == 36
+    assert flock.observe("entered") + flock.observe("waiting-to-enter") == 36
     assert len(np.unique(flock.ids)) == len(flock.ids)
 
 
@@ -370,7 +370,7 @@ def test_what_a_kill_has_left_does_not_know_who_went_and_says_so(tmp_path):
     recover(recorder.part)
     found = Recording(path)
     assert math.isnan(OBSERVABLES["exited"].measure(found.at(200)))
-    assert math.isnan(OBSERVABLES["waiting"].measure(found.at(200)))
+    assert math.isnan(OBSERVABLES["waiting-to-enter"].measure(found.at(200)))
     with pytest.raises(InputError, match="does not hold who came and went") as caught:
         Flock.load(path)
     assert "\n" not in str(caught.value)
@@ -413,7 +413,7 @@ def test_agents_that_step_one_by_one_come_and_go_as_in_a_run():
 
 def test_a_series_over_a_run_has_the_counts():
     flock = busy()
-    series = follow(flock, 200, ["entered", "exited", "waiting"], every=50)
+    series = follow(flock, 200, ["entered", "exited", "waiting-to-enter"], every=50)
     assert series.values["exited"].tolist() == [
         int((flock.exits.tick <= tick).sum()) for tick in (50, 100, 150, 200)
     ]

@@ -317,7 +317,7 @@ GATES = [
         tells=has_sources,
     ),
     Observable(
-        "waiting",
+        "waiting-to-enter",
         "Agents that are due at a source and find no free place in it",
         "agents",
         LENGTH,

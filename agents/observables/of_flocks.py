@@ -128,8 +128,8 @@ def crashes(flock) -> float:
 def entered(flock) -> float:
     """How many agents have entered through sources so far; nan in a world without."""
     mission = flock.world.mission
-    is_told = mission is not None and mission.sources and flock.entries.is_known
-    return len(flock.entries) if is_told else math.nan
+    is_known = mission is not None and mission.sources and flock.entries.is_known
+    return len(flock.entries) if is_known else math.nan
 
 
 def waiting(flock) -> float:
@@ -140,8 +140,8 @@ def waiting(flock) -> float:
 def exited(flock) -> float:
     """How many agents have left through exits so far; nan in a world without."""
     mission = flock.world.mission
-    is_told = mission is not None and mission.exits and flock.exits.is_known
-    return len(flock.exits) if is_told else math.nan
+    is_known = mission is not None and mission.exits and flock.exits.is_known
+    return len(flock.exits) if is_known else math.nan
 
 
 def flow(flock) -> float:

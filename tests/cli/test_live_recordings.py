@@ -137,8 +137,8 @@ def test_a_trial_without_a_unit_names_the_option_and_takes_it(tmp_path):
         write_trial(path, ("rear", "front"), points, units=units)
         line = refusal("live", "check", f"{path}?{body}")
         assert line == (
-            f"flockscope: {path} {says} (POINT:UNITS): declare that of its numbers, ?unit=m, cm, mm, "
-            "in, ft"
+            f"flockscope: {path} {says} (POINT:UNITS): declare that of its numbers, ?unit=m, cm, "
+            "mm, in, ft"
         )
         for unit, metres in (("mm", 0.99), ("cm", 9.9)):
             frames = open_source(f"recorded:{path}?{body}&unit={unit}").recording()

@@ -91,4 +91,6 @@ def test_a_tick_that_is_not_there_is_named(table, tmp_path):
 
 @pytest.mark.parametrize("command", ["run", "lab", "picture"])
 def test_tracks_are_no_model_to_run(command):
-    assert "tracks-px is no model to run: flockscope lab --tracks" in refusal(command, "tracks-px")
+    assert "tracks-px is no model to run: `flockscope lab --tracks FILE` plays it" in refusal(
+        command, "tracks-px"
+    )
