@@ -63,6 +63,7 @@ def test_a_flock_of_which_nobody_flies_any_more_can_be_observed(name):
         "group-sizes": {},
         "group-table": {},
         "mean-neighbours": 0.0,
+        "number-seen": 0.0,
         "connectivity": 0.0,
         "layers": {},
         "inside-obstacles": 0,
