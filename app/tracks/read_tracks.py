@@ -83,8 +83,8 @@ def read_files(paths: Sequence[Path], options: ReadingOptions, format: str | Non
     name = paths[0].name if len(files) > 1 or paths[0].is_dir() else files[0].name
     tracks = finished(read_safely(reader, files, options), options, name or "tracks", reader)
     if left_out:
-        count = f"{len(left_out)} other files" if len(left_out) > 1 else "1 other file"
-        tracks = replace(tracks, notes=(*tracks.notes, f"{count} in the folder were left out"))
+        count = "1 other file was" if len(left_out) == 1 else f"{len(left_out)} other files were"
+        tracks = replace(tracks, notes=(*tracks.notes, f"{count} left out of the folder"))
     return tracks
 
 
