@@ -1,4 +1,4 @@
-"""How long tracks take: velocities, order, leadership, maps, and all that is measured of them.
+"""How long tracks take: velocities, order, leadership, maps, a fit, and all that is measured.
 
     uv run python benchmarks/tracks.py
 
@@ -8,16 +8,21 @@ compiled before. Each figure is the shortest of several.
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from app.tracks.fit.frame_sample import FrameSample
+from app.tracks.fit.one_step import OneStepPredictor
+from app.tracks.fit.tick_scale import ScaledModel
 from app.tracks.measures.measure_catalogue import track_measures
 from app.tracks.measures.track_measure import MeasureInput, MeasureOptions
 from app.tracks.motion import smoothed_motion
 from app.tracks.tracks import Tracks
+from worlds.world import World
 
 ROUNDS = 3
 FPS = 25.0
@@ -69,8 +74,24 @@ def cases() -> list[TimedCase]:
         TimedCase("leadership +-2 s, 100 x 3000", 2.0, measured(hundred, "leadership")),
         TimedCase("neighbour map, 200 x 3000", 5.0, measured(two_hundred, "neighbour-map")),
         TimedCase("turning map, 200 x 3000", 5.0, measured(two_hundred, "turning-map")),
+        TimedCase("a fit's evaluation, couzin, 60 x 30", 0.05, fit_evaluation()),
         *(TimedCase(f"{name}, 100 x 3000", np.inf, measured(hundred, name)) for name in rest),
     ]
+
+
+def fit_evaluation() -> Callable[[], object]:
+    """The costs of 30 frames of 60 individuals, with parameters that are new each time."""
+    frames, individuals = 30, 60
+    rng = np.random.default_rng(1)
+    angle = rng.uniform(0.0, 2.0 * np.pi, (2, frames, individuals))
+    heading, following = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    place = rng.uniform(0.0, 12.0, (frames, individuals, 2))
+    speed = np.ones((frames, individuals))
+    sample = FrameSample(place, heading, speed, following, np.arange(frames))
+    world = World(size=(12.0, 12.0), edges=("open",))
+    predictor = OneStepPredictor(ScaledModel("couzin", {}, ()), world)
+    radii = itertools.cycle(np.linspace(1.0, 8.0, 29))
+    return lambda: predictor.costs(sample, {"dr_o": float(next(radii))})
 
 
 def needs_room(name: str) -> bool:

@@ -117,7 +117,8 @@ def write_idtracker_h5(path: Path) -> None:
 
 
 def tidy_rows() -> list[tuple[int, float, int, Any, Any, float]]:
-    return [(t, t / RATE, n, *down(PLACES)[t, n], 0.9) for t in range(FRAMES) for n in range(COUNT)]
+    places = down(PLACES)
+    return [(t, t / RATE, n, *places[t, n], 0.9) for t in range(FRAMES) for n in range(COUNT)]
 
 
 def write_tidy_csv(path: Path) -> None:
@@ -130,7 +131,7 @@ def write_tidy_csv(path: Path) -> None:
 def write_wide_csv(path: Path) -> None:
     names = ",".join(f"x{n + 1},y{n + 1}" for n in range(COUNT))
     rows = [
-        ",".join([f"{t / RATE:.3f}", *(f"{v:.3f}" for v in down(PLACES)[t].ravel())])
+        ",".join([f"{t / RATE:.3f}", *(f"{v:.3f}" for v in down(PLACES[t]).ravel())])
         for t in range(FRAMES)
     ]
     lines(path, f"time,{names}", *rows)
@@ -168,7 +169,7 @@ def write_deeplabcut(path: Path) -> None:
         cells = [str(t)]
         for n in range(COUNT):
             sure = 0.95 if SEEN[t, n] else 0.1  # it is never blank: it guesses
-            x, y = down(PLACES)[t, n] if SEEN[t, n] else (99.0, 99.0)
+            x, y = down(PLACES[t, n]) if SEEN[t, n] else (99.0, 99.0)
             cells += [f"{x:.9g}", f"{y:.9g}", f"{sure}", "5", "6", "0.9"]
         rows.append(",".join(cells))
     lines(
