@@ -32,11 +32,13 @@ def yard(tmp_path):
 def _slips(monkeypatch):
     """Makes the agent of row 3 be in the obstacle after each stretch of ticks."""
 
-    def run(flock, ticks):
-        flock.advance(ticks)
+    advance = Flock.advance
+
+    def slip(flock, *arguments, **more):
+        advance(flock, *arguments, **more)
         flock.position[3:4] = (5.0, 5.5)
 
-    monkeypatch.setattr(Flock, "run", run)
+    monkeypatch.setattr(Flock, "advance", slip)
 
 
 @pytest.mark.usefixtures("_slips")

@@ -124,7 +124,7 @@ def with_one_line_errors(command: Callable[..., Any]) -> Callable[..., Any]:
             named = "" if error.filename is None else f"{str(error.filename)!r}: "
             refuse(f"{named}{error.strerror or error}")
         except MemoryError as error:
-            if not str(error):  # Python's own: the entry point knows whether memory is limited
+            if "allocate" not in str(error):  # NumPy says how much; else the limit is what helps
                 raise
             refuse(f"there is not enough memory: {error}")
         except (KeyboardInterrupt, BdbQuit):  # BdbQuit: pdb was left
