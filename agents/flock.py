@@ -15,6 +15,7 @@ from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.gated_motion import GatedMotion
+from agents.individuals import each
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
@@ -172,6 +173,7 @@ class Flock(TickClock, GatedMotion):
         self._reporters = reporters, dict(agent_reporters or {})
         self.seed = spec.seed
         self._begin_model()
+        self._demand_individual(spec.individuals)
         self._begin(spec.seed, start)
         if self.ranks != 1:
             self._demand_strips()
@@ -188,14 +190,18 @@ class Flock(TickClock, GatedMotion):
         self.world = draw_obstacles(world, seed)
         self.tick = 0
         self.options = spec
-        begin = self._random_start() if start is None else self._start_from_arrays(start)
+        self.individuals, self.redrawn = dict(spec.individuals), {}
+        if start is None:
+            begin, own = self._random_start()
+        else:
+            begin, own = self._start_from_arrays(start)
         informed_count = int(begin.informed.sum())
         counts = {"agents": len(begin.position) - informed_count, "informed": informed_count}
         self.options = spec.model_copy(update={"seed": seed} | counts)
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self.next_id = len(begin.position) + 1
-        arrays = start_arrays(begin, self.model, 1)
+        arrays = start_arrays(begin, self.model, 1)._replace(own=own)
         if is_same:
             self._swap_arrays(arrays)
         else:
@@ -230,6 +236,7 @@ class Flock(TickClock, GatedMotion):
         spec, world = self._beginning
         parameters = checked(self.model.parameters, spec.parameters)
         is_same = self.ranks == 1 and self.world is world and self.parameters == parameters
+        is_same = is_same and self.individuals == spec.individuals
         self.parameters = parameters
         for member in self._members or ():
             member.leave()
@@ -237,19 +244,30 @@ class Flock(TickClock, GatedMotion):
         self._put_off_model()
         self._begin(seed, is_same=is_same and len(self.ids) == spec.count)
 
-    def _random_start(self) -> Start:
-        """A random start, with the speeds that the body begins with. Raises InputError."""
-        run = self.options
-        begin = random_start(
-            self.world, run.agents, run.informed, self.seed, run.spacing, self._start_gap
-        )
-        return self._with_start_speeds(begin, bool(begin.speed.any()))
+    def _own_at_start(self, ids: np.ndarray) -> np.ndarray:
+        """The own parameters (N, Q) of agents with which the flock begins. Raises InputError."""
+        return self._own_of(ids, self.parameters, self.individuals, self.individuals)
 
-    def _start_from_arrays(self, start: Mapping[str, Any], first_id: int = 1) -> Start:
-        """A start from arrays; without speeds with those that the body begins with. Or
-        InputError."""
+    def _random_start(self) -> tuple[Start, np.ndarray]:
+        """A random start, with the speeds that the body begins with, and the agents' own
+        parameters. Raises InputError."""
+        run = self.options
+        gap = self._start_gap(self._own_at_start(np.arange(1, run.count + 1)))
+        begin = random_start(self.world, run.agents, run.informed, self.seed, run.spacing, gap)
+        own = self._own_at_start(1 + begin.number)
+        return self._with_start_speeds(begin, bool(begin.speed.any()), own), own
+
+    def _start_from_arrays(
+        self, start: Mapping[str, Any], first_id: int | None = None
+    ) -> tuple[Start, np.ndarray]:
+        """A start from arrays; without speeds with those that the body begins with; and the agents'
+        own parameters. `first_id`: of agents that join. Raises InputError."""
         begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
-        return self._with_start_speeds(begin, "speed" in start, first_id)
+        if first_id is None:
+            own, first_id = self._own_at_start(1 + begin.number), 1
+        else:
+            own = self._own_of_new(first_id + begin.number)
+        return self._with_start_speeds(begin, "speed" in start, own, first_id), own
 
     def _has_parameter(self, name: str) -> bool:
         """Whether a name that nothing else has is that of a parameter."""
@@ -262,12 +280,10 @@ class Flock(TickClock, GatedMotion):
         )
 
     def __getattr__(self, name: str) -> Any:
-        """A parameter by its name."""
-        return (
-            getattr(self.parameters, name)
-            if self._has_parameter(name)
-            else super().__getattr__(name)
-        )
+        """A parameter by its name; where agents differ in it, the number of each, (N,)."""
+        if not self._has_parameter(name):
+            return super().__getattr__(name)
+        return self.own[name] if name in self.individuals else getattr(self.parameters, name)
 
     def __setattr__(self, name: str, value: Any) -> None:
         """A parameter that is assigned is set, as by `set`: InputError if it is not allowed."""
@@ -300,8 +316,9 @@ class Flock(TickClock, GatedMotion):
         """The agents as they are now, in the order of `position`, as a `pandas.DataFrame` by `id`.
 
         Columns: `x`, `y` and in space `z`, length; `heading_x`, `heading_y` (and `heading_z`), a
-        unit vector; `speed`, the distance of the last tick, length/tick; `informed`. Copies: what
-        the flock does later changes none of them.
+        unit vector; `speed`, the distance of the last tick, length/tick; `informed`; then the
+        parameters that differ from agent to agent. Copies: what the flock does later changes none
+        of them.
 
         >>> from flockscope import Flock
         >>> Flock("vem", agents=3, size=5.0, rng=1).to_dataframe().columns.tolist()
@@ -312,7 +329,7 @@ class Flock(TickClock, GatedMotion):
         axes = "xyz"[: self.world.dim]
         columns: dict[str, Any] = {axis: self.position[:, k] for k, axis in enumerate(axes)}
         columns |= {f"heading_{axis}": self.heading[:, k] for k, axis in enumerate(axes)}
-        columns |= {"speed": self.speed, "informed": self.informed.astype(bool)}
+        columns |= {"speed": self.speed, "informed": self.informed.astype(bool), **self.own}
         return pd.DataFrame(
             {name: column.copy() for name, column in columns.items()},
             index=pd.Index(self.ids.copy(), name="id"),
@@ -343,7 +360,8 @@ class Flock(TickClock, GatedMotion):
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
         snapshot = self.snapshot(copy=False, signals=True)
-        return inspect(snapshot, self.engine.surroundings, self.context, row, self.interpret)
+        context = self.context_of(row)
+        return inspect(snapshot, self.engine.surroundings, context, row, self.interpret)
 
     def warm(self) -> None:
         """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
@@ -423,16 +441,16 @@ class Flock(TickClock, GatedMotion):
         members = self.members
         dim, identity = self.world.dim, np.array([self.next_id])
         if position is None:
-            position = free_positions(self.world, identity, self.seed, gap=self._start_gap)[0]
+            gap = self._start_gap(self._own_of_new(identity))
+            position = free_positions(self.world, identity, self.seed, gap=gap)[0]
         if heading is None:
             heading = random_headings(self.seed, identity, dim)[0]
-        new = self._start_from_arrays(
+        new, own = self._start_from_arrays(
             {"position": [position], "heading": [heading], "informed": [informed]}, self.next_id
         )
         ages = self.arrays.past.shape[1]
-        new_arrays = resize_past(
-            start_arrays(new, self.model, self.next_id), ages, len(self.model.signals), self.tick
-        )
+        new_arrays = start_arrays(new, self.model, self.next_id)._replace(own=own)
+        new_arrays = resize_past(new_arrays, ages, len(self.model.signals), self.tick)
         self._set_arrays(join_arrays(self.arrays, new_arrays))
         self.next_id += 1
         members.append(member)
@@ -531,6 +549,11 @@ class Flock(TickClock, GatedMotion):
             size=self.world.size,
             dim=self.world.dim,
             parameters=self.parameters.model_dump(),
+            individuals={
+                name: each(self.own[name]) if one.is_by_hand else one
+                for name, one in self.individuals.items()
+                if len(self.ids) or not one.is_by_hand
+            },
             layout=None if is_built_in(self.world, self.seed) else self.world.to_layout(),
             versions=versions(),
         )

@@ -48,22 +48,33 @@ class GatedMotion(Motion):
     is in the compiled loop: a flock in any other world runs as it did.
     """
 
-    @property
-    def _start_gap(self) -> float:
-        """How far from what is solid agents start at least, length."""
+    def _start_gap(self, own: np.ndarray) -> float:
+        """How far from what is solid agents with these own parameters start at least, length."""
         gap = start_gap(self.model.body)
-        return 0.0 if gap is None else float(gap(self.parameters))
+        return 0.0 if gap is None else float(self._evaluate(gap, own).max(initial=0.0))
 
-    def _with_start_speeds(self, begin: Start, with_speeds: bool, first_id: int = 1) -> Start:
-        """The start with the one speed of the body, or, without speeds, those it begins with."""
+    def _with_start_speeds(
+        self, begin: Start, with_speeds: bool, own: np.ndarray, first_id: int = 1
+    ) -> Start:
+        """The start with the one speed of the body, or, without speeds, those it begins with.
+
+        `own`: the agents' own parameters.
+        """
         body, n = self.model.body, len(begin.speed)
         if body.speed is not None:
-            return replace(begin, speed=np.full(n, float(body.speed(self.parameters))))
+            return replace(begin, speed=self._evaluate(body.speed, own))
         if with_speeds or body.begins is None:
             return begin
+        begins = body.begins
         chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
-        speed = np.broadcast_to(body.begins(self.parameters, chance), n).copy()
-        return replace(begin, speed=speed)
+        if not self.individuals:
+            return replace(begin, speed=np.broadcast_to(begins(self.parameters, chance), n).copy())
+        names = self.model.individual
+        speed = [
+            begins(self.parameters.model_copy(update=dict(zip(names, row, strict=True))), number)
+            for row, number in zip(own.tolist(), chance, strict=True)
+        ]
+        return replace(begin, speed=np.array(speed, float))
 
     @property
     def _gates(self) -> Mission:
@@ -134,11 +145,12 @@ class GatedMotion(Motion):
         demand_memory_for(self.model, len(others) + len(places), self.threads)
         order = np.arange(len(places))
         ids = self.next_id + order
+        own = self._own_of_new(ids)
         heading, speed = random_headings(self.seed, ids, self.world.dim), np.zeros(len(ids))
         region_velocities(source, self.seed, ids, heading, speed)
         start = Start(places, heading, np.zeros(len(ids), bool), speed, order)
-        start = self._with_start_speeds(start, source.speed_low is not None, self.next_id)
-        new = start_arrays(start, self.model, self.next_id)
+        start = self._with_start_speeds(start, source.speed_low is not None, own, self.next_id)
+        new = start_arrays(start, self.model, self.next_id)._replace(own=own)
         new = resize_past(new, arrays.past.shape[1], len(self.model.signals), self.tick)
         self.entries = self.entries.with_more(self.tick, ids, np.full(len(ids), number), places)
         self.next_id += len(ids)
@@ -156,7 +168,8 @@ class GatedMotion(Motion):
         tried = low + tried * (high - low)
         is_free = np.ones(PLACES, bool)
         if world.is_solid:
-            is_free = clearance(world, tried) > self._start_gap
+            gap = self._start_gap(self._own_of_new(np.array([identity])))
+            is_free = clearance(world, tried) > gap
         if apart > 0.0 and len(taken):
             if not world.images.any():  # in a crowd most are far from the source
                 is_near = np.all((taken > low - apart) & (taken < high + apart), axis=1)

@@ -164,19 +164,24 @@ def obstacle_push(
     return np.array(force[: flock.world.dim])
 
 
-def shells(flock: FlockState) -> tuple[Shell, ...]:
-    """The zones of a flock's rule, with its parameters as they are; none where it has none."""
-    parameters = flock.parameters
+def shells(flock: FlockState, row: int | None = None) -> tuple[Shell, ...]:
+    """The zones of a flock's rule, with its parameters as they are; none where it has none.
+
+    `row`: with those of the agent of a row, where agents differ.
+    """
+    parameters = flock.parameters if row is None else flock.parameters_of(row)
     return tuple(
         Shell(zone.name, float(zone.radius(parameters)), zone.all_round)
         for zone in flock.model.rule.zones
     )
 
 
-def field_of_view(flock: FlockState) -> float:
-    """The full angle (deg) of a flock's field of view; 360 where its rule has none."""
+def field_of_view(flock: FlockState, row: int | None = None) -> float:
+    """The full angle (deg) of a flock's field of view, or of that of the agent of a row; 360 where
+    its rule has none."""
     name = flock.model.rule.view
-    return float(getattr(flock.parameters, name)) if name else 360.0
+    parameters = flock.parameters if row is None else flock.parameters_of(row)
+    return float(getattr(parameters, name)) if name else 360.0
 
 
 def zones_of(
@@ -241,7 +246,8 @@ def inspect_row(
     offset = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (offset**2).sum(axis=1)
     active = flock.active
-    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & active & active[row])
+    reach = float(getattr(flock.parameters_of(row), rule.reach))
+    rows = np.flatnonzero((d2 > 0.0) & (d2 <= reach**2) & active & active[row])
     parameters = context.parameters
     if flock.nearest:
         other_rows = np.flatnonzero(active & active[row])
@@ -254,7 +260,7 @@ def inspect_row(
     points = perceived_points(flock, surroundings, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
-    own_shells, view = shells(flock) if active[row] else (), field_of_view(flock)
+    own_shells, view = shells(flock, row) if active[row] else (), field_of_view(flock, row)
     if flock.informed[row] or not active[row]:
         weights[:] = 0.0
     else:

@@ -56,6 +56,25 @@ class Member(mesa.Agent):
         rows |= {"speed": self.speed, "informed": self.informed, "row": self.row}
         return table(rows, f"Agent {self.unique_id}")
 
+    def __getattr__(self, name: str) -> Any:
+        """The agent's number of a parameter, its own where agents differ."""
+        flock = self.__dict__.get("model")
+        if flock is not None and name in flock.model.parameters.model_fields:
+            return getattr(flock.parameters_of(self.row), name)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """A parameter that is assigned is the agent's own from then on. Raises InputError."""
+        flock = self.__dict__.get("model")
+        if (
+            flock is not None
+            and not hasattr(type(self), name)
+            and name in flock.model.parameters.model_fields
+        ):
+            flock.set_own(self.row, name, value)
+        else:
+            super().__setattr__(name, value)
+
     @property
     def is_gone(self) -> bool:
         """Whether the agent has left its flock; all that its handle then says is that."""
@@ -126,8 +145,9 @@ class Member(mesa.Agent):
         row, flock = self.row, self.model
         if flock.model.body.speed is not None:
             raise InputError(
-                f"agents of {flock.model.name} all have one speed, a parameter: use "
-                "flock.set(...), see `flockscope list`"
+                f"agents of {flock.model.name} go at a speed that is a parameter: set "
+                f"{' or '.join(sorted(flock.model.parameters_read(flock.model.body.speed)))} of "
+                "the agent or of the flock"
             )
         if not (isinstance(value, (int, float, np.number)) and 0.0 <= value < np.inf):
             raise InputError(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, cached_property, partial
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -24,7 +24,8 @@ from agents.engine.runner import (
     SequentialEngine,
     SynchronousEngine,
 )
-from agents.models.declare import as_floats, checked
+from agents.individuals import BY_HAND, Distribution, draw_values, split_individuals
+from agents.models.declare import NumberParameter, Parameters, as_floats, checked, describe
 from agents.models.model import Model
 from agents.models.model_calls import call
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, stop_when_consistent
@@ -38,8 +39,9 @@ from agents.strips.strip_engine import (
     reason_for_one_process,
 )
 from worlds.compilation import DISABLED
-from worlds.input_error import InputError
+from worlds.input_error import InputError, unknown
 from worlds.memory import demand_memory
+from worlds.number_text import counted
 from worlds.queries.survey import survey_world
 from worlds.world import World
 
@@ -78,9 +80,15 @@ class Motion(FlockState):
     _wind: Wind
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
+    redrawn: Mapping[str, int] = MappingProxyType({})
+    """How many of the agents' numbers were drawn again, by parameter."""
+    drawn = 0
+    """Of how many agents."""
 
     def _set_arrays(self, arrays: Arrays) -> None:
         """Take these arrays as the flock's state."""
+        if len(arrays.own) != len(arrays.ids):  # a flock that was pickled before there were any
+            arrays = arrays._replace(own=np.empty((len(arrays.ids), 0)))
         self.arrays = arrays
         self._engine = None
         self.context = self._make_context()
@@ -117,10 +125,11 @@ class Motion(FlockState):
         return loop_of(self.model, *self._loop_kind)
 
     @property
-    def _loop_kind(self) -> tuple[int, bool, bool, bool, bool]:
+    def _loop_kind(self) -> tuple[int, bool, bool, bool, bool, bool]:
         """What `loop_of` asks for beside the model."""
         world_kind = self.world.dim, self.world.is_solid
-        return *world_kind, self.of_pairs, self.options.is_windy, self.nearest > 0
+        is_nearest, differ = self.nearest > 0, bool(self.individuals)
+        return *world_kind, self.of_pairs, self.options.is_windy, is_nearest, differ
 
     @property
     def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine | StripEngine:
@@ -149,6 +158,8 @@ class Motion(FlockState):
             reason = "plain Python runs in one process"
         if self.world.has_gates:
             reason = f"agents come and go in {self.world.name}"
+        if self.individuals:
+            reason = f"agents differ in {', '.join(self.individuals)}"
         if self.threads > 1:
             reason = f"threads = {self.threads}, and each rank has one thread"
         if reason:
@@ -205,6 +216,17 @@ class Motion(FlockState):
             unbounded = numbers._replace(**{self.model.bound: np.float64(np.inf)})
         return Context(numbers, noise, self.reach, self.dt, NO_WIND, 0, unbounded, self.nearest)
 
+    def context_of(self, row: int) -> Context:
+        """What the agent of a row goes by, with its own parameters as if all shared them."""
+        if not self.individuals:
+            return self.context
+        own = {name: float(column[row]) for name, column in self.own.items()}
+        heard = {name: value for name, value in own.items() if name != self.model.bound}
+        return self.context._replace(
+            parameters=self.context.parameters._replace(**own),
+            unbounded=self.context.unbounded._replace(**(heard if self.nearest else own)),
+        )
+
     def _context_with_wind(self, ticks: int) -> Context:
         """What agents go by in the next ticks, the wind with it."""
         wind = self._wind.displacements(self.tick, ticks)
@@ -222,13 +244,21 @@ class Motion(FlockState):
 
     @property
     def warning(self) -> str:
-        """A warning about agents that go through what is solid, or an empty string."""
-        if not self.passing:
-            return ""
-        return (
-            f"{self.model.name} with {self.passing}: agents go through obstacles and solid edges, "
-            "as in the literal text of its paper"
-        )
+        """A warning about agents that go through what is solid, and about numbers that were drawn
+        again; or an empty string."""
+        warnings = [
+            f"{name} = {self.individuals[name]}: {counted(number, 'number')} of {self.drawn} drawn "
+            "again, outside of the range of the parameter"
+            for name, number in self.redrawn.items()
+            if name in self.individuals and number
+        ]
+        if self.passing:
+            warnings.insert(
+                0,
+                f"{self.model.name} with {self.passing}: agents go through obstacles and solid "
+                "edges, as in the literal text of its paper",
+            )
+        return "; ".join(warnings)
 
     def snapshot(self, copy: bool = True, signals: bool = False) -> Snapshot:
         """The flock frozen as it is now.
@@ -251,12 +281,14 @@ class Motion(FlockState):
             signals,
             entries=self.entries,
             exits=self.exits,
+            individuals=dict(self.individuals),
         )
 
     def return_to(self, past: Snapshot) -> None:
         """Be as a snapshot of this run was, and go on from there as it did, to the bit."""
         self._acted.clear()
         self.world, self.parameters = past.world, past.parameters
+        self.individuals = dict(past.individuals)
         self.tick, self.next_id = past.tick, past.next_id
         self.entries, self.exits = past.entries, past.exits
         self._set_arrays(Arrays._make(map(np.array, past.arrays)))
@@ -280,9 +312,95 @@ class Motion(FlockState):
         return self.interpret or DISABLED or is_compiled(self.engine.module)
 
     def set(self, **values: Unpack[ParameterWords]) -> None:
-        """Change parameters of the running flock. Raises InputError, and then changes nothing."""
+        """Change parameters of the running flock. Raises InputError, and then changes nothing.
+
+        A number is that of all agents. A distribution (`flockscope.normal`, ...) or an array (N,)
+        in the order of the rows gives each agent its own.
+        """
         old_loop = self.loop
-        self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
+        shared, individuals = split_individuals(values)
+        parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **shared})
+        remaining = {name: d for name, d in self.individuals.items() if name not in values}
+        self._demand_individual(individuals)
+        new = remaining | individuals
+        own = self._own_of(self.ids, parameters, individuals, new)
+        for name in remaining:  # as they are: some may have been set by hand
+            column = self.model.individual.index(name)
+            own[:, column] = self.arrays.own[:, column]
+        by_hand = {name: BY_HAND for name, d in individuals.items() if d.kind == "each"}
+        self._take_own(parameters, new | by_hand, own, old_loop)
+
+    def set_own(self, row: int, name: str, value: Any) -> None:
+        """Give the agent of a row its own number of a parameter. Raises InputError."""
+        checked(self.model.parameters, {**self.parameters.model_dump(), name: value})
+        self._demand_individual({name: BY_HAND})
+        individuals = {**self.individuals, name: BY_HAND}
+        own = self.arrays.own
+        if not self.individuals:
+            own = self._own_of(self.ids, self.parameters, {}, individuals)
+        own = own.copy()
+        own[row, self.model.individual.index(name)] = float(value)
+        self._take_own(self.parameters, individuals, own, self.loop)
+
+    def _demand_individual(self, names: Iterable[str]) -> None:
+        """Raise InputError for a parameter that is none, or that agents cannot differ in."""
+        for name in names:
+            if name not in self.model.parameters.model_fields:
+                raise unknown("parameter", name, self.model.parameters.model_fields)
+            if name in self.model.shared:
+                raise InputError(
+                    f"{name} cannot differ from agent to agent in {self.model.name}: "
+                    f"{self.model.shared[name]}"
+                )
+
+    def _own_of(
+        self,
+        ids: np.ndarray,
+        parameters: Parameters,
+        drawn: Mapping[str, Distribution],
+        individuals: Mapping[str, Distribution],
+    ) -> np.ndarray:
+        """The agents' own parameters (N, Q) of `model.individual`; (N, 0) where none differs.
+
+        Those of `drawn` are drawn by identity, all others are shared. Raises InputError.
+        """
+        if not individuals:
+            return np.empty((len(ids), 0))
+        numbers = [float(getattr(parameters, name)) for name in self.model.individual]
+        own = np.tile(numbers, (len(ids), 1))
+        self.drawn = len(ids)
+        for name, distribution in drawn.items():
+            if distribution.is_by_hand:
+                continue
+            declaration = describe(name, self.model.parameters.model_fields[name])
+            assert isinstance(declaration, NumberParameter)
+            column, redrawn = draw_values(distribution, self.seed, name, ids, declaration.bounds)
+            own[:, self.model.individual.index(name)] = column
+            self.redrawn = {**self.redrawn, name: redrawn}
+        return own
+
+    def _own_of_new(self, ids: np.ndarray) -> np.ndarray:
+        """The own parameters of agents that join: what is given agent by agent they share."""
+        drawn = {name: d for name, d in self.individuals.items() if d.kind != "each"}
+        redrawn, count = self.redrawn, self.drawn
+        own = self._own_of(ids, self.parameters, drawn, self.individuals)
+        self.redrawn, self.drawn = redrawn, count
+        return own
+
+    def _take_own(
+        self,
+        parameters: Parameters,
+        individuals: Mapping[str, Distribution],
+        own: np.ndarray,
+        old_loop: ModuleType,
+    ) -> None:
+        """Go on with these parameters, shared and own."""
+        self.parameters, self.individuals = parameters, dict(individuals)
+        if own.shape == self.arrays.own.shape:
+            self.arrays.own[:] = own
+        else:
+            self.arrays = self.arrays._replace(own=own)
+            self._engine = None
         self.context = self._make_context()
         if self.loop is not old_loop:
             self._end_tick()
@@ -481,16 +599,27 @@ def named_loop(name: str, *kind: Any) -> ModuleType:
 
 @cache
 def loop_of(
-    model: Model, dim: int, solid: bool, of_pairs: bool, windy: bool, nearest: bool
+    model: Model,
+    dim: int,
+    solid: bool,
+    of_pairs: bool,
+    windy: bool,
+    nearest: bool,
+    differ: bool = False,
 ) -> ModuleType:
     """The module of the compiled loop of a model, in a world with something solid, wind, or not.
 
-    `nearest`: whether the nearest are neighbours, whatever their distance.
+    `nearest`: whether the nearest are neighbours, whatever their distance. `differ`: whether agents
+    have parameters of their own.
     """
-    fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
+    fields = list(dict.fromkeys([*model.parameters.model_fields, NOISE]))
+    own = [
+        -1 if nearest and name == model.bound else fields.index(name) for name in model.individual
+    ]
     parts = model.parts(dim, solid) | {
         "holds": is_consistent,
         "WINDY": windy,
         "NEAREST": nearest,
+        "DIFFER": tuple(own) if differ else (),
     }
     return loop_module("pairs" if of_pairs else "sweep", parts, tuple(fields))

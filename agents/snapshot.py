@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from agents.engine.arrays import Arrays
+from agents.individuals import Distribution
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
-from agents.observables.neighbours import groups_within, layers, links, nearest_links
+from agents.observables.neighbours import (
+    groups_within,
+    layers,
+    links,
+    nearest_links,
+    separation,
+)
 from agents.state.agent_rows import Crashes, active, crashes, select_rows
 from agents.state.passages import Passages
 from worlds.input_error import InputError, unknown
@@ -21,6 +31,8 @@ from worlds.world import World
 
 NOBODY = Passages.none(2)
 """The passages of a flock through which nobody comes or goes."""
+ALIKE: Mapping[str, Distribution] = MappingProxyType({})
+"""The parameters that differ in a flock whose agents are alike."""
 
 
 class FlockState:
@@ -57,6 +69,62 @@ class FlockState:
     """Who has entered so far, at which tick, where and through which source of the mission."""
     exits: Passages = NOBODY
     """Who has left so far, at which tick, where and through which exit of the mission."""
+    individuals: Mapping[str, Distribution] = ALIKE
+    """The parameters that differ from agent to agent, and what they were drawn from."""
+
+    @property
+    def own(self) -> dict[str, np.ndarray]:
+        """The parameters that differ, by name: the number of each agent, (N,), to be read.
+
+        `Flock.set` and the attributes of members change them.
+        """
+        columns = {}
+        for name in self.individuals:
+            column = self.arrays.own[:, self.model.individual.index(name)].view()
+            column.flags.writeable = False
+            columns[name] = column
+        return columns
+
+    def parameters_of(self, row: int) -> Parameters:
+        """The parameters of the agent of a row."""
+        if not self.individuals:
+            return self.parameters
+        return self.parameters.model_copy(
+            update={name: float(column[row]) for name, column in self.own.items()}
+        )
+
+    def _evaluate(
+        self, function: Callable[[Any], Any], table: np.ndarray | None = None
+    ) -> np.ndarray:
+        """What a function of the parameters gives for each agent, (N,).
+
+        `table`: the agents' own parameters, by default as they are now.
+        """
+        table = self.arrays.own if table is None else table
+        if not self.individuals:
+            return np.full(len(table), float(function(self.parameters)))
+        names = self.model.parameters_read(function) & self.individuals.keys()
+        columns = [self.model.individual.index(name) for name in names]
+        if not columns:
+            return np.full(len(table), float(function(self.parameters)))
+        rows, inverse = np.unique(table[:, columns], axis=0, return_inverse=True)
+        values = [
+            float(function(self.parameters.model_copy(update=dict(zip(names, row, strict=True)))))
+            for row in rows.tolist()
+        ]
+        return np.array(values, float)[inverse.reshape(-1)]
+
+    def _largest(self, name: str) -> float:
+        """The largest number that agents have of a parameter, or of a property of parameters."""
+        shared = float(getattr(self.parameters, name))
+        if not self.individuals:
+            return shared
+        if name in self.individuals:
+            return float(self.own[name].max(initial=-math.inf)) if len(self.ids) else shared
+        computed = getattr(type(self.parameters), name, None)
+        if not isinstance(computed, property) or computed.fget is None or not len(self.ids):
+            return shared
+        return float(self._evaluate(computed.fget).max())
 
     @property
     def _entered(self) -> list[tuple[SourceRegion, int]]:
@@ -113,7 +181,7 @@ class FlockState:
     @property
     def reach(self) -> float:
         """The largest distance at which agents notice each other, length."""
-        return float(getattr(self.parameters, self.model.rule.reach))
+        return self._largest(self.model.rule.reach)
 
     @property
     def nearest(self) -> int:
@@ -123,12 +191,12 @@ class FlockState:
     @property
     def together(self) -> float:
         """The distance within which agents are of one group, length."""
-        return float(getattr(self.parameters, self.model.rule.together or self.model.rule.reach))
+        return self._largest(self.model.rule.together or self.model.rule.reach)
 
     @property
     def sight(self) -> float:
         """The largest distance at which agents notice obstacles, length."""
-        return float(getattr(self.parameters, self.model.body.sight or self.model.rule.reach))
+        return self._largest(self.model.body.sight or self.model.rule.reach)
 
     @property
     def reference(self) -> np.ndarray | None:
@@ -181,6 +249,7 @@ class Snapshot(FlockState):
     """The snapshot of which these are some of the agents."""
     entries: Passages = NOBODY
     exits: Passages = NOBODY
+    individuals: Mapping[str, Distribution] = field(default_factory=dict)
 
     @property
     def crashes(self) -> Crashes:
@@ -190,7 +259,8 @@ class Snapshot(FlockState):
     def links(self) -> np.ndarray:
         """Pairs of rows (i < j) within reach of each other, int (M, 2).
 
-        Where the nearest are neighbours, pairs of which one at least is the other's neighbour.
+        Where the nearest are neighbours, or agents differ in how far they notice each other, pairs
+        of which one at least is the other's neighbour.
         """
         return self._links
 
@@ -206,7 +276,14 @@ class Snapshot(FlockState):
     def _links(self) -> np.ndarray:
         if self.nearest:
             return nearest_links(self.position, self.nearest, self.world.size, self.world.images)
-        return links(self.position, self.reach, self.world.size, self.world.images)
+        pairs = links(self.position, self.reach, self.world.size, self.world.images)
+        own = self.own.get(self.model.rule.reach)
+        if own is None:
+            return pairs
+        i, j = pairs.T
+        away = separation(self.position[i], self.position[j], self.world.size, self.world.images)
+        hears = np.linalg.norm(away, axis=1) <= np.maximum(own[i], own[j])
+        return pairs[hears]
 
     @cached_property
     def _group_labels(self) -> np.ndarray:

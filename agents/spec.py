@@ -14,12 +14,14 @@ import tomlkit
 from pydantic import (
     BeforeValidator,
     Field,
+    PlainSerializer,
     PlainValidator,
     ValidationError,
     ValidationInfo,
 )
 
 from agents.conditions import Conditions
+from agents.individuals import Distribution, split_individuals
 from agents.option import Option, distance, from_, option, whole_number
 from worlds.input_error import InputError, needed, shorten, unknown
 from worlds.text_file import read_text, toml
@@ -55,6 +57,18 @@ def name(value: Any, info: ValidationInfo) -> str:
     if not isinstance(value, str):
         raise InputError(f"{info.field_name} = {shorten(value)} is not a name")
     return value
+
+
+def distributions(value: Any) -> dict[str, Distribution]:
+    """Distributions by the names of parameters. Raises InputError."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"individuals = {shorten(value)} is not allowed: names are needed")
+    return split_individuals(value)[1]
+
+
+def values_of(individuals: Mapping[str, Distribution]) -> dict[str, Any]:
+    """Distributions as TOML and JSON have them."""
+    return {name: one.to_value() for name, one in individuals.items()}
 
 
 def name_or_world(value: Any, info: ValidationInfo) -> str | World:
@@ -170,7 +184,12 @@ class Spec(Options):
     )
     start: Literal["random", "given"] = "random"
     parameters: dict[str, Any] = Field(default_factory=dict)
-    """Of the rule and the body; the model checks them."""
+    """Of the rule and the body; the model checks them. One that is given as a distribution, or as a
+    list of each agent's number, comes into `individuals`; here stands its mean then."""
+    individuals: Annotated[
+        dict[str, Distribution], PlainValidator(distributions), PlainSerializer(values_of)
+    ] = Field(default_factory=dict)
+    """The parameters that differ from agent to agent, as `agents.individuals.Distribution`."""
     layout: dict[str, Any] | None = None
     """The world itself, where it is none of the built-in ones."""
     versions: dict[str, str] = Field(default_factory=dict)
@@ -178,6 +197,11 @@ class Spec(Options):
 
     def __init__(self, model: Any = DEFAULT, **words: Unpack[SpecWords]) -> None:
         values: dict[str, Any] = {**words}
+        if isinstance(values.get("parameters"), Mapping):
+            shared, individuals = split_individuals(values["parameters"])
+            if individuals:
+                earlier = distributions(values.get("individuals", {}))
+                values |= {"parameters": shared, "individuals": earlier | individuals}
         size = values.get("size")
         if (
             values.get("dim") is None
@@ -220,7 +244,10 @@ class Spec(Options):
             return self
         options = {key: words.pop(key) for key in OPTIONS if key in words}
         given_options = {key: value for key, value in options.items() if value is not None}
-        return self.but(**given_options, parameters={**self.parameters, **words})
+        individuals = {name: d for name, d in self.individuals.items() if name not in words}
+        return self.but(
+            **given_options, parameters={**self.parameters, **words}, individuals=individuals
+        )
 
     def to_toml(self) -> str:
         """The spec as TOML; floats are written so that they come back to the bit."""
@@ -230,6 +257,7 @@ class Spec(Options):
         implied = {"dim"} if isinstance(spec.size, tuple) else set()
         implied |= {key for key in Conditions.model_fields if key not in self.chosen}
         values = spec.model_dump(mode="json", exclude_none=True, exclude=implied)
+        values["parameters"] |= values.pop("individuals")
         return tomlkit.dumps({key: values[key] for key in KEYS if key in values})
 
     @classmethod
@@ -297,7 +325,9 @@ CLOSED = tuple(CompleteSpec.__annotations__)
 """What a complete run cannot leave open."""
 FIRST = ("model", "agents", "informed", "seed", "world", "size", "dim")
 ACTS = ("activation", "noise", "spacing")
-KEYS = tuple(dict.fromkeys([*FIRST, *ACTS, *Spec.model_fields]))
+KEYS = tuple(
+    key for key in dict.fromkeys([*FIRST, *ACTS, *Spec.model_fields]) if key != "individuals"
+)
 """Keys of a spec, in the order in which they are written."""
 _EXTRAS: dict[str, Any] = {key: Spec.model_fields[key].json_schema_extra for key in KEYS}
 OPTIONS: dict[str, Option] = {key: extra["option"] for key, extra in _EXTRAS.items() if extra}

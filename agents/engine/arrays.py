@@ -44,6 +44,9 @@ class Arrays(NamedTuple):
     past: np.ndarray
     """The flock as it stood at the last ticks, where messages take time, else no ticks: position,
     heading, speed and signals; (N, ticks, 2 dim + 1 + K), that of tick k at k modulo ticks."""
+    own: np.ndarray = np.empty((0, 0))
+    """Where agents differ, each one's parameters, `Model.individual` by name; (N, Q), else
+    (N, 0)."""
 
 
 def empty_slots(n: int, dim: int, signals: int, speeds: bool) -> Slots:

@@ -43,7 +43,7 @@ FORMAT = "a checksum, then what numba keeps, machine code alone, compressed"
 """What a file holds: another format is another kernel."""
 ZLIB_LEVEL = 6
 IN_LLVM = (
-    *("flat.py", "vector_lanes.py", "eight_others.py"),
+    *("flat.py", "vector_lanes.py", "eight_others.py", "own_parameters.py"),
     *("pairs/thread_barrier.py", "pairs/term_sums.py"),
 )
 """Files of the engine that write LLVM's own words, which no function's bytecode shows."""

@@ -19,6 +19,7 @@ from numba.core.dispatcher import Dispatcher
 
 from agents.engine import template
 from agents.engine.cache import base_digest, fingerprint, is_kept, keep_on_disk
+from agents.engine.own_parameters import own_functions
 
 HERE = Path(__file__).parent
 LOADING = threading.Lock()
@@ -40,6 +41,7 @@ def loop_module(kind: str, parts: dict[str, Callable | int | None], fields):
         part: getattr(template, part) if function is None else function
         for part, function in parts.items()
     }
+    filled |= {name: getattr(template, name) for name in ("own_of_row", "own_of_eight")}
     return load(kind, filled, fields)
 
 
@@ -61,6 +63,7 @@ def turns_module(sweep: types.ModuleType):
         "judge",
         "lay",
         "nearby",
+        "own_of_row",
         "pick_nearest",
         "ready",
         "see_points",
@@ -72,7 +75,7 @@ def turns_module(sweep: types.ModuleType):
 def delayed_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule know of each other by messages."""
     constants = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SIGNALS"
-    functions = "act_on_block", "link", "row_of", "show_own_signals", "sort_flock"
+    functions = "act_on_block", "link", "own_of_row", "row_of", "show_own_signals", "sort_flock"
     turns = turns_module(sweep)
     parts = {part: vars(sweep)[part] for part in (*constants, "holds")}
     parts |= {part: vars(turns)[part] for part in functions}
@@ -110,6 +113,8 @@ def execute_template(kind: str, module_name: str, globals_: dict, fields) -> typ
     module = importlib.util.module_from_spec(spec)
     parameters = parameter_tuple(module_name, fields)
     module.__dict__.update(globals_, P=parameters, **{parameters.__name__: parameters})
+    if globals_.get("DIFFER"):
+        module.__dict__.update(own_functions(parameters, globals_["DIFFER"], module_name))
     spec.loader.exec_module(module)
     return module
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from agents.engine.block import BodyMove, Decision
 from agents.engine.cache import compile_to_disk
+from agents.engine.own_parameters import may_be_positive
 from agents.engine.vector_lanes import (
     as_float,
     as_unsigned,
@@ -269,8 +270,8 @@ KEEP = 1e-12
 def add_heading_noise(me, wish, noise, eta, dim):
     """The wanted heading, a unit Wish: the wish with its noise; without a wish, the old one."""
     x, y, z = wish.x, wish.y, wish.z
-    if noise == VECTORIAL and eta > 0.0:
-        is_zero = x * x + y * y + z * z < KEEP * KEEP
+    if noise == VECTORIAL and may_be_positive(eta):
+        is_zero = (x * x + y * y + z * z < KEEP * KEEP) & (eta > 0.0)
         ex, ey, ez = random_direction(me.key, me.id, dim)
         x = where(is_zero, me.ux, x) + eta * ex
         y = where(is_zero, me.uy, y) + eta * ey
@@ -281,7 +282,7 @@ def add_heading_noise(me, wish, noise, eta, dim):
     x = where(is_zero, me.ux, x / length)
     y = where(is_zero, me.uy, y / length)
     z = where(is_zero, me.uz, z / length)
-    if noise != VECTORIAL and eta > 0.0:
+    if noise != VECTORIAL and may_be_positive(eta):
         x, y, z = turn_by_noise(x, y, z, eta, me.key, me.id, dim)
     return Decision(x, y, z)
 

@@ -36,8 +36,22 @@ ASKS_SPEED = True
 """Whether the rule or the body asks how fast agents are."""
 WINDY = False
 """Whether a wind carries agents along."""
+DIFFER: tuple[int, ...] = ()
+"""Where agents differ, which field of `P` each column of the table `own` is; -1 for none."""
 BY_LANES = False
 """Whether the rule's `answer` and the body's `move` take eight agents at once."""
+
+
+@compiled
+def own_of_row(p, own, row):
+    """By default all agents share their parameters; see `agents.engine.own_parameters`."""
+    return p
+
+
+@compiled
+def own_of_eight(p, own, rows, slot, last):
+    """By default all agents share their parameters."""
+    return p
 
 
 @compiled

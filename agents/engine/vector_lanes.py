@@ -180,11 +180,21 @@ def llvm_builder(name: str) -> Callable:
 
 operation(math.sqrt, LANES, LANES)(llvm_builder("sqrt"))
 operation(math.floor, LANES, LANES)(llvm_builder("floor"))
+operation(math.radians, LANES, LANES)(
+    lambda b, x: b.fmul(x, ir.Constant(x.type, [math.pi / 180.0] * WIDTH), flags=FREE)
+)
 operation(math.fabs, LANES, LANES)(llvm_builder("fabs"))
 for function in (math.exp, math.log, math.sin, math.cos):
     operation(function, LANES, LANES)(llvm_builder(function.__name__))
 operation(min, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered("<", y, x), y, x))
 operation(max, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered(">", y, x), y, x))
+
+
+@overload(operator.pow)
+def square_of_lanes(value, power):
+    """`x ** 2`, the one power that lanes have."""
+    is_square = isinstance(power, types.IntegerLiteral) and power.literal_value == 2
+    return (lambda value, power: value * value) if value == LANES and is_square else None  # noqa: ARG005
 
 
 def where(condition: Any, this: Any, other: Any) -> Any:

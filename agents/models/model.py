@@ -18,7 +18,15 @@ from agents.engine.block import neighbour_of, points_of
 from agents.engine.cache import global_values
 from agents.engine.neighbour_search import UNKNOWN
 from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
-from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats, declared
+from agents.models.declare import (
+    Body,
+    NumberParameter,
+    Parameters,
+    Rule,
+    Symmetry,
+    as_floats,
+    declared,
+)
 from agents.models.slider_range import fits_default
 from agents.models.tries import LessonStep
 
@@ -30,6 +38,13 @@ it open."""
 def python_of(function: Callable) -> FunctionType:
     """The Python of a compiled function."""
     return function.py_func  # type: ignore[attr-defined]
+
+
+def python_of_any(function: Callable) -> FunctionType:
+    """The Python of a function, compiled or not."""
+    python = vars(function).get("py_func", function)
+    assert isinstance(python, FunctionType)
+    return python
 
 
 def uses_argument(name: str, function: Callable) -> bool:
@@ -169,6 +184,43 @@ class Model:
     def informed(self) -> int:
         """Information agents unless the user says otherwise."""
         return self.rule.informed
+
+    @cached_property
+    def shared(self) -> dict[str, str]:
+        """The parameters that all agents share whatever is asked for, and why, in few words."""
+        rule, body = self.rule, self.body
+        reasons: dict[str, str] = {}
+        for declaration in declared(self.parameters):
+            name = declaration.name
+            if not isinstance(declaration, NumberParameter):
+                reasons[name] = "it is no number"
+            elif name in self.parameters_read(body.lasts):
+                reasons[name] = "a tick is as long for all"
+            elif rule.prepare is not None and name in self.parameters_read(rule.prepare):
+                reasons[name] = "the rule looks at the whole flock with it"
+            elif name == body.size:
+                reasons[name] = "agents take the size of others for their own"
+            elif name in (NUMBER, *rule.shared):
+                reasons[name] = "the rule asks for one number of all"
+        return reasons
+
+    @cached_property
+    def individual(self) -> tuple[str, ...]:
+        """The parameters that may differ from agent to agent, in their order."""
+        return tuple(name for name in self.parameters.model_fields if name not in self.shared)
+
+    def parameters_read(self, function: Callable) -> frozenset[str]:
+        """The parameters that a function of theirs reads, also through their properties."""
+        python = python_of_any(function)
+        names = set(python.__code__.co_names)
+        for value in global_values(python):
+            if isinstance(value, Dispatcher | FunctionType):
+                names |= self.parameters_read(value)
+        for name in tuple(names):
+            computed = getattr(self.parameters, name, None)
+            if isinstance(computed, property) and computed.fget is not None:
+                names |= self.parameters_read(computed.fget)
+        return frozenset(names & self.parameters.model_fields.keys())
 
     @property
     def signals(self) -> tuple[str, ...]:

@@ -19,11 +19,12 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from agents.engine.arrays import Arrays
+from agents.models.declare import NumberParameter, Parameters, declared
 from agents.models.model import Model
 from agents.recordings.part_stream import PartStream
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
-from agents.state.agent_rows import no_crashes
+from agents.state.agent_rows import demand, no_crashes
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -34,6 +35,8 @@ AXES = "xyz"
 PAST = "past"
 """The column of a saved state that holds what messages on their way tell."""
 LEG = "leg"
+OWN = "own_"
+"""Before the name of a parameter: the column that holds each agent's own number of it."""
 ENTRIES, EXITS = "entries", "exits"
 """Keys of the metadata that hold who has come and gone, where agents do."""
 MOST_PASSAGES = 300_000
@@ -54,8 +57,13 @@ def crash_columns(dim: int) -> list[str]:
     return ["crash_tick", "crash_cause", *("crash_" + letter for letter in AXES[:dim])]
 
 
-def columns_of(model: Model, world: World, with_past: bool = False) -> list[Column]:
-    """The columns that a run of a model in a world is recorded in, in their order."""
+def columns_of(
+    model: Model, world: World, with_past: bool = False, individuals: Collection[str] = ()
+) -> list[Column]:
+    """The columns that a run of a model in a world is recorded in, in their order.
+
+    `individuals`: the parameters that differ from agent to agent.
+    """
     length, axes = model.in_units("length"), AXES[: world.dim]
     columns = [
         Column("tick", "ticks", "ticks done since the start"),
@@ -74,6 +82,10 @@ def columns_of(model: Model, world: World, with_past: bool = False) -> list[Colu
             Column(cause, "1", "what it touched: 1 another agent, 2 an obstacle or a wall, else 0"),
             *(Column(name, length, f"where it crashed, along {name[-1]}") for name in places),
         ]
+    for declaration in declared(model.parameters):
+        if declaration.name in individuals:
+            meaning = f"the agent's own: {declaration.description}"
+            columns.append(Column(OWN + declaration.name, declaration.unit, meaning))
     columns += [Column(name, model.unit_of(name), kind(model, name)) for name in model.columns]
     if with_past:
         columns.append(Column(PAST, "1", "what messages on their way tell"))
@@ -256,6 +268,7 @@ def batch_of(flock: Snapshot, with_past: bool = False):
         columns |= {
             name: crash_record[:, k].copy() for k, name in enumerate(crash_columns(flock.world.dim))
         }
+    columns |= {OWN + name: column.copy() for name, column in flock.own.items()}
     for name, values in zip(flock.model.columns, flock.arrays.memory, strict=True):
         columns[name] = values.copy()
     past = flock.arrays.past
@@ -271,12 +284,18 @@ def metadata(spec: CompleteSpec, snapshot: Snapshot, names: Collection[str]) -> 
         "format": FORMAT,
         "spec": spec.to_toml(),
         "next_id": snapshot.next_id,
-        **describe_columns(snapshot.model, snapshot.world, snapshot.dt, PAST in names),
+        **describe_columns(
+            snapshot.model, snapshot.world, snapshot.dt, PAST in names, snapshot.individuals
+        ),
     }
 
 
 def describe_columns(
-    flock_model: Model, world: World, dt: float, with_past: bool
+    flock_model: Model,
+    world: World,
+    dt: float,
+    with_past: bool,
+    individuals: Collection[str] = (),
 ) -> dict[str, Any]:
     """Model, time, units and world of a recording, as JSON has them."""
     return {
@@ -287,7 +306,7 @@ def describe_columns(
         "length_unit": flock_model.in_units("length"),
         "columns": {
             name: {"unit": unit, "meaning": meaning}
-            for name, unit, meaning in columns_of(flock_model, world, with_past)
+            for name, unit, meaning in columns_of(flock_model, world, with_past, individuals)
         },
         "world_name": world.name,
         "world": world.to_layout(),
@@ -391,10 +410,37 @@ def arrays_of(table, dim: int, flock_model: Model, origin: str) -> Arrays:
             np.array(signals, float).reshape(len(signals), table.num_rows),
             np.column_stack(crash_record) if mortal else no_crashes(0, dim),
             past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(flock_model.signals)),
+            np.empty((table.num_rows, 0)),
         )
     except KeyError as missing:
         raise InputError(f"{origin} has no column {missing}") from None
     return Arrays._make(np.ascontiguousarray(array) for array in arrays)
+
+
+def own_names(names: Collection[str], flock_model: Model) -> tuple[str, ...]:
+    """The parameters of which a table of these columns has each agent's own number."""
+    return tuple(name for name in flock_model.individual if OWN + name in names)
+
+
+def own_of(table, flock_model: Model, parameters: Parameters, origin: str) -> np.ndarray:
+    """The agents' own parameters (N, Q), `Arrays.own`, from the columns of a table.
+
+    Raises InputError naming the row for a number outside of its range.
+    """
+    names = own_names(table.column_names, flock_model)
+    if not names:
+        return np.empty((table.num_rows, 0))
+    numbers = [float(getattr(parameters, name)) for name in flock_model.individual]
+    own = np.tile(numbers, (table.num_rows, 1))
+    for declaration in declared(flock_model.parameters):
+        if declaration.name in names:
+            assert isinstance(declaration, NumberParameter)
+            column = table[OWN + declaration.name].to_numpy(zero_copy_only=False).astype(float)
+            low, high = declaration.bounds
+            outside = f"a {declaration.name} outside of {declaration.allowed}"
+            demand((column >= low) & (column <= high), outside, origin)
+            own[:, flock_model.individual.index(declaration.name)] = column
+    return own
 
 
 def past_of(rows, n: int, size: int) -> np.ndarray:

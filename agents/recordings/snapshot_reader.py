@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from agents.individuals import BY_HAND
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.recordings.parquet_table import BATCH, MOST_NUMBERS, ParquetTable
-from agents.recordings.recorder import AXES, PAST, arrays_of
+from agents.recordings.recorder import AXES, PAST, arrays_of, own_names, own_of
 from agents.snapshot import NOBODY, Snapshot
 from agents.spec import CompleteSpec
 from agents.state.agent_rows import LARGEST, demand_usable
@@ -141,6 +142,9 @@ class SnapshotReader:
         table = self.rows(int(self.starts[place]), int(self.ends[place]))
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
         demand_usable(arrays, self.world, self.origin)
+        own = own_of(table, self.model, self.parameters, self.origin)
+        names = own_names(table.column_names, self.model)
+        individuals = {name: self.spec.individuals.get(name, BY_HAND) for name in names}
         entries = self.entries.until(tick)
         # The newest may have left again: no identity is given twice.
         newest = max(int(arrays.ids.max()), int(entries.id.max(initial=0)))
@@ -151,11 +155,12 @@ class SnapshotReader:
             self.parameters,
             self.spec.seed,
             int(tick),
-            arrays,
+            arrays._replace(own=own),
             next_id,
             True,
             entries=entries,
             exits=self.exits.until(tick),
+            individuals=individuals,
         )
 
     def rows(self, first: int, end: int) -> Any:

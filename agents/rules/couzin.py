@@ -11,6 +11,7 @@ import math
 
 from agents.engine.block import Decision
 from agents.engine.noise import cos_sin, normal, uniform
+from agents.engine.own_parameters import may_be_positive
 from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, Zone, parameter
 from agents.models.tries import LessonCheck, LessonStep
@@ -113,7 +114,7 @@ def miss_direction(me, x, y, z, sigma):
         where(is_zero, me.uy, y / length),
         where(is_zero, me.uz, z / length),
     )
-    if sigma == 0.0:
+    if not may_be_positive(sigma):
         return Decision(x, y, z)
     # An orthonormal pair across the direction (Duff et al. 2017), and a side by chance.
     sign = where(z < 0.0, -1.0, 1.0)

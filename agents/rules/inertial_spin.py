@@ -24,6 +24,7 @@ import math
 
 from agents.engine.block import Decision, is_neighbour
 from agents.engine.noise import cos_sin, normal
+from agents.engine.own_parameters import may_be_positive
 from agents.engine.vector_lanes import is_any, where
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
@@ -108,11 +109,10 @@ def cross(ax, ay, az, bx, by, bz):
 def friction_decay(a):
     """What friction leaves of a spin after a tick, and of it over the tick in the mean: e^-a and
     (1 - e^-a) / a, where a = eta dt / chi."""
-    if a < SMALL:
-        mean = 1.0 - a * (1.0 / 2.0 - a * (1.0 / 6.0 - a * (1.0 / 24.0 - a / 120.0)))
-        return 1.0 - a * mean, mean
-    decay = math.exp(-a)
-    return decay, (1.0 - decay) / a
+    is_small = a < SMALL
+    series = 1.0 - a * (1.0 / 2.0 - a * (1.0 / 6.0 - a * (1.0 / 24.0 - a / 120.0)))
+    decay = where(is_small, 1.0 - a * series, math.exp(-a))
+    return decay, where(is_small, series, (1.0 - decay) / a)
 
 
 @compiled
@@ -120,11 +120,9 @@ def noise_shares(a, decay, mean):
     """What noise adds to a spin over a tick, in units of sqrt(T chi): its standard deviation, the
     share of it that the mean over the tick has, and the standard deviation of that mean's rest."""
     deviation = math.sqrt(a * mean * (1.0 + decay))
-    if a < SMALL:
-        half = a * (1.0 / 3.0 - a * (1.0 / 4.0 - a * 7.0 / 60.0))
-    else:
-        half = (1.0 - mean) / a - 0.5 * mean * mean
-    rest_variance = 2.0 * half - a * mean**3 / (1.0 + decay)
+    series = a * (1.0 / 3.0 - a * (1.0 / 4.0 - a * 7.0 / 60.0))
+    half = where(a < SMALL, series, (1.0 - mean) / a - 0.5 * mean * mean)
+    rest_variance = 2.0 * half - a * mean * mean * mean / (1.0 + decay)
     return deviation, mean / (1.0 + decay), math.sqrt(max(rest_variance, 0.0))
 
 
@@ -185,7 +183,7 @@ def bring_spin_on(me, sums, p):
     z = s[2] - along * me.uz + h * tz
     nx = ny = nz = rx = ry = rz = share = 0.0
     size = math.sqrt(p.T * p.chi)
-    if a * size > 0.0:
+    if may_be_positive(a * size):
         deviation, share, rest_deviation = noise_shares(a, decay, mean)
         nx, ny, nz = random_torque(me, size * deviation, DRAW)
         rx, ry, rz = random_torque(me, size * rest_deviation, DRAW + 6)
@@ -193,7 +191,7 @@ def bring_spin_on(me, sums, p):
     s[3] = mean * x + share * nx + rx
     s[4] = mean * y + share * ny + ry
     s[5] = mean * z + share * nz + rz
-    if a * size > 0.0:
+    if may_be_positive(a * size):
         turn_with(s, p.dt / p.chi)
 
 

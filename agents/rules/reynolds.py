@@ -244,7 +244,7 @@ class Boids(Parameters):
 @compiled
 def edge_of_view(p):
     """Cosine of half the field of view; less than any cosine if a boid sees all around."""
-    return math.cos(0.5 * math.radians(p.fov)) if p.fov < 360.0 else -2.0
+    return where(p.fov < 360.0, math.cos(0.5 * math.radians(p.fov)), -2.0)
 
 
 @compiled

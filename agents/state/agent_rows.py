@@ -44,6 +44,7 @@ def start_arrays(start: Start, model: Model, first_id: int) -> Arrays:
         np.repeat(model.initial_columns[:, None], n, axis=1),
         no_crashes(n if model.body.touches else 0, start.position.shape[1]),
         np.empty((n, 0, 0)),
+        np.empty((n, 0)),
     )
 
 

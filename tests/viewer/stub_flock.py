@@ -115,7 +115,7 @@ class StubFlock:
         n, dim = self.position.shape
         state = self.position, self.heading, self.speed, self.informed, self.ids
         rest = np.zeros(n, np.int32), np.empty((0, n)), np.empty((0, 2 + dim)), np.empty((n, 0, 0))
-        arrays = Arrays(*(array.copy() for array in (*state, *rest)))
+        arrays = Arrays(*(array.copy() for array in (*state, *rest)), np.empty((n, 0)))
         start = self.model, self.world, self.parameters, self.seed, self.tick, arrays
         return StubSnapshot(*start, next_id=n)
 

@@ -75,6 +75,8 @@ if TYPE_CHECKING:
         answer,
         holds,
         move,
+        own_of_eight,
+        own_of_row,
         passes,
         term,
     )
@@ -199,9 +201,8 @@ def select_within_reach(slots, first, last, place, space, grid, lone, reach, cho
 
 
 @compiled
-def add_run_terms(sums, slots, first, last, place, me, context, space, grid, lone, chosen):
+def add_run_terms(sums, slots, first, last, place, me, p, context, space, grid, lone, chosen):
     """The sums with the terms of slots first to last; `place` is less the shift of their images."""
-    p = context.parameters
     if SIFTS:
         for begin in range(first, last, CHOSEN):
             end = min(begin + CHOSEN, last)
@@ -230,27 +231,24 @@ def look_for_nearest(slots, first, last, place, space, grid, lone, k, least):
 
 
 @compiled
-def add_nearest_terms(
-    sums, ties, slots, first, last, place, me, context, space, grid, lone, limit2
-):
+def add_nearest_terms(sums, ties, slots, first, last, place, me, p, space, grid, lone, limit2):
     """The sums with the terms of those of slots first to last that are among the k nearest.
 
     These are nearer than the k-th, the square of whose distance is `limit2`, or as far: of such
     the first ones, as many as `ties`. Returns the sums, and how many of them are left.
     """
-    q = context.unbounded
     for j in range(np.uintp(first), np.uintp(last)):
         other = met(slots, j, place, space, grid, lone)
         if is_any((other.d2 > 0.0) & (other.d2 <= limit2)):
             is_tie = other.d2 == limit2
             is_near = (other.d2 > 0.0) & ((other.d2 < limit2) | (is_tie & (ties > 0.0)))
             ties = where(is_tie, ties - 1.0, ties)
-            sums = choose_sums(is_near, add_terms(sums, term(me, other, q)), sums)
+            sums = choose_sums(is_near, add_terms(sums, term(me, other, p)), sums)
     return sums, ties
 
 
 @compiled
-def nearest_sums(grid, space, slots, line, low, high, there, me, context, lone, notes):
+def nearest_sums(grid, space, slots, line, low, high, there, me, p, context, lone, notes):
     """The sums of eight agents, or those that are `there`, over the k nearest of each.
 
     `line`, `low` and `high` as in `pair_sums`. Those whose k-th is further off than the cells
@@ -275,14 +273,27 @@ def nearest_sums(grid, space, slots, line, low, high, there, me, context, lone, 
         begin_least(notes.least, context.nearest, seeking)
         sure = covered_distance(grid, DIM) * rings
         sums, seeking = pair_sums(
-            sums, grid, space, slots, line, low, high, me, context, lone, notes, rings, sure * sure
+            sums,
+            grid,
+            space,
+            slots,
+            line,
+            low,
+            high,
+            me,
+            p,
+            context,
+            lone,
+            notes,
+            rings,
+            sure * sure,
         )
         rings *= 2
     return sums
 
 
 @compiled
-def pair_sums(sums, grid, space, slots, line, low, high, me, context, lone, notes, rings, sure2):
+def pair_sums(sums, grid, space, slots, line, low, high, me, p, context, lone, notes, rings, sure2):
     """The sums, and those of eight agents in cells low to high of one row of cells along x.
 
     `line` is the number of that row; so many `rings` of cells around are gone through. Returns the
@@ -333,7 +344,7 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, context, lone, note
                             last,
                             place,
                             me,
-                            context,
+                            p,
                             space,
                             grid,
                             lone,
@@ -347,6 +358,7 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, context, lone, note
                             last,
                             place,
                             me,
+                            p,
                             context,
                             space,
                             grid,
@@ -457,8 +469,9 @@ def wish_of_one(surroundings, agent, sums, notes, p, reach):
 @compiled
 def move_one(flock, space, surroundings, slots, slot, lane, me, notes, context):
     """The move of one slot, the lane of eight, of which sums or moves are written down."""
-    p, table, out = context.parameters, notes.table, notes.table[0]
-    q = context.unbounded if NEAREST else p
+    table, out = notes.table, notes.table[0]
+    p = own_of_row(context.parameters, flock.own, slots.row[slot])
+    q = own_of_row(context.unbounded, flock.own, slots.row[slot]) if NEAREST else p
     agent = agent_of_slot(flock, slots, slot, table, me.tick, me.key)
     if BY_LANES and not agent.informed:
         moved = move_of_lane(table, lane)
@@ -473,19 +486,20 @@ def move_one(flock, space, surroundings, slots, slot, lane, me, notes, context):
         moved = move(agent, empty_block(), surroundings, wish, p, out)
     if WINDY:
         moved = carry_with_wind(moved, context, me.tick)
-    if MEETS != PASSES and not passes(p):
+    if MEETS != PASSES and not passes(context.parameters):
         moved = keep_out_of_solids(surroundings, space, agent, moved, MEETS)
     return moved
 
 
 @compiled
-def act(flock, space, surroundings, slots, slot, last, me, sums, notes, context, to_rows):
+def act(flock, space, surroundings, slots, slot, last, me, p, q, sums, notes, context, to_rows):
     """Slots `slot` to `last`, at most eight, decide on their sums and move.
 
-    An information agent listens to nobody: it follows the mission's path, or keeps its heading.
+    The body goes by their parameters `p`, the rule by `q`: the same but where the nearest are heard
+    whatever their distance. An information agent listens to nobody: it follows the mission's path,
+    or keeps its heading.
     """
-    p, table, out = context.parameters, notes.table, notes.table[0]
-    q = context.unbounded if NEAREST else p
+    table, out = notes.table, notes.table[0]
     if BY_LANES:
         want = answer(me, sums, surroundings, q)
         if HEADS:
@@ -538,10 +552,12 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
         while grid.start[np.uintp(high + 1)] < end:
             high += 1
         me = agents_of_lanes(flock, slots, slot, end, notes, identities, tick, key)
+        p = own_of_eight(context.parameters, flock.own, slots.row, slot, end)
+        q = own_of_eight(context.unbounded, flock.own, slots.row, slot, end) if NEAREST else p
         if NEAREST:
             there = is_there(eight_from(slot, end))
             sums = nearest_sums(
-                grid, space, slots, line, low, high, there, me, context, lone, notes
+                grid, space, slots, line, low, high, there, me, q, context, lone, notes
             )
         else:
             sums, _ = pair_sums(
@@ -553,13 +569,14 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
                 low,
                 high,
                 me,
+                q,
                 context,
                 lone,
                 notes,
                 1,
                 0.0,
             )
-        act(flock, space, surroundings, slots, slot, end, me, sums, notes, context, to_rows)
+        act(flock, space, surroundings, slots, slot, end, me, p, q, sums, notes, context, to_rows)
         slot = end
 
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from agents.engine.ticks.sequential_tick import (
         act_on_block,
         link,
+        own_of_row,
         row_of,
         show_own_signals,
         sort_flock,
@@ -208,7 +209,7 @@ def advance(
             return at, i
         me = row_of(flock, i, workspace, tick, key)
         if SIGNALS > 0:
-            show_own_signals(me, context.parameters, workspace)
+            show_own_signals(me, own_of_row(context.parameters, flock.own, i), workspace)
         if NEAREST:
             m = gather_all(flock, space, workspace, messages, seed, me, i, memory)
         else:

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         judge,
         lay,
         nearby,
+        own_of_row,
         pick_nearest,
         ready,
         see_points,
@@ -72,7 +73,7 @@ def unlink(grid, slots, i):
 
 
 @compiled
-def judge_all(flock, space, surroundings, grid, slots, workspace, p, tick, key):
+def judge_all(flock, space, surroundings, grid, slots, workspace, context, tick, key):
     """Crash those that touch something, all on the flock as the tick finds it.
 
     They are seen until the tick ends. The workspace's block has room for all agents.
@@ -85,7 +86,7 @@ def judge_all(flock, space, surroundings, grid, slots, workspace, p, tick, key):
         while slot < grid.start[cell + 1]:
             me = agent_of_slot(flock, slots, slot, workspace, tick, key)
             nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
-            judge(flock, surroundings, slots.row[slot], me, nearby(m, workspace, 6, 0), p)
+            judge(flock, surroundings, slots.row[slot], me, nearby(m, workspace, 6, 0), context)
             slot += 1
 
 
@@ -101,9 +102,9 @@ def sort_flock(flock, space, surroundings, grid, slots, workspace, context, tick
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
     fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, 0, n)
-    ready(flock, space, grid, slots, workspace, context.parameters, tick, key)
+    ready(flock, space, grid, slots, workspace, context, tick, key)
     if CRASHES:
-        judge_all(flock, space, surroundings, grid, slots, workspace, context.parameters, tick, key)
+        judge_all(flock, space, surroundings, grid, slots, workspace, context, tick, key)
     return -1
 
 
@@ -193,7 +194,7 @@ def copy_row(flock, workspace, p, m, j, sx, sy, sz, tick, key):
     if ASKS_SPEED:
         block[9, m] = other.speed
     if SIGNALS > 0:
-        show_signals(other, p, workspace)
+        show_signals(other, own_of_row(p, flock.own, j), workspace)
         for k in range(SIGNALS):
             workspace.signals[k, m] = workspace.out[k]
 
@@ -257,7 +258,7 @@ def advance(
             return at, -1
         me = row_of(flock, i, workspace, tick, key)
         if SIGNALS > 0:
-            show_own_signals(me, p, workspace)
+            show_own_signals(me, own_of_row(p, flock.own, i), workspace)
         act_on_block(flock, space, surroundings, grid, i, me, m, context, workspace)
         unlink(grid, slots, i)
         cell = cell_of(grid, space, flock.position, i)

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
         holds,
         measure,
         move,
+        own_of_row,
         passes,
         perceive,
         prepare,
@@ -94,8 +95,8 @@ def act(flock, space, surroundings, i, me, near, visible, context, workspace):
     The rule goes by those `visible`, the body by all that are `near`. An information agent listens
     to nobody: it follows the mission's path, or keeps its heading.
     """
-    p = context.parameters
-    q = context.unbounded if NEAREST else p
+    p = own_of_row(context.parameters, flock.own, i)
+    q = own_of_row(context.unbounded, flock.own, i) if NEAREST else p
     if CRASHES and flock.crash_record[i, 0] >= 0.0:
         fall(flock, space, surroundings, i, context.lasts)
         return
@@ -125,8 +126,9 @@ def act(flock, space, surroundings, i, me, near, visible, context, workspace):
 
 
 @compiled
-def judge(flock, surroundings, i, me, near, p):
+def judge(flock, surroundings, i, me, near, context):
     """Crash the agent of row i if it touches another agent or what is solid."""
+    p = own_of_row(context.parameters, flock.own, i)
     cause = touches(me, near, surroundings, p)
     if cause > 0.0:
         crash(flock, i, me.tick, cause)
@@ -160,17 +162,17 @@ def agent_of_slot(flock, slots, slot, workspace, tick, key):
 
 
 @compiled
-def ready(flock, space, grid, slots, workspace, p, tick, key):
+def ready(flock, space, grid, slots, workspace, context, tick, key):
     """Before anyone decides: what each agent shows, and what the rule needs of the whole flock."""
     if SIGNALS > 0:
         for slot in range(slots.row.shape[0]):
             me = agent_of_slot(flock, slots, slot, workspace, tick, key)
             for k in range(SIGNALS):
                 workspace.out[k] = workspace.mine[k]
-            show(me, p, workspace.out)
+            show(me, own_of_row(context.parameters, flock.own, slots.row[slot]), workspace.out)
             for k in range(SIGNALS):
                 slots.signal[k, slot] = workspace.out[k]
-        prepare(flock, space, grid, slots, p, tick)
+        prepare(flock, space, grid, slots, context.parameters, tick)
         for slot in range(slots.row.shape[0]):
             for k in range(SIGNALS):
                 flock.memory[k, slots.row[slot]] = slots.signal[k, slot]
@@ -317,7 +319,7 @@ def sweep(flock, space, surroundings, grid, slots, workspace, context, tick, key
                 nearest_count = copy_within_reach(workspace, m, at, me, context.reach)
                 near = visible = nearby(nearest_count, workspace, -1, near.points)
             if CRASHES:
-                judge(flock, surroundings, slots.row[slot], me, near, context.parameters)
+                judge(flock, surroundings, slots.row[slot], me, near, context)
             act(flock, space, surroundings, slots.row[slot], me, near, visible, context, workspace)
             slot += 1
 
@@ -383,7 +385,7 @@ def advance(
         if phases & FILL:
             fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, first, last)
         if phases & PREPARE:
-            ready(flock, space, grid, slots, workspace, context.parameters, tick_now, key)
+            ready(flock, space, grid, slots, workspace, context, tick_now, key)
         if phases & SWEEP:
             sweep(
                 flock,
