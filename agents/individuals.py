@@ -169,7 +169,7 @@ def distribution(kind: str, numbers: Any, origin: str = "") -> Distribution:
         is_bool = any(isinstance(number, bool) for number in np.ravel(numbers).tolist())
     except (TypeError, ValueError):
         array, is_bool = np.empty(0), False
-    whole = f"{kind} = {shorten(numbers)}"
+    whole = f"{kind}({shorten(numbers).strip('[]()')})"
     if array.ndim != 1 or not len(array) or is_bool or not np.isfinite(array).all():
         raise InputError(f"{whole} is not allowed: finite numbers are needed{location}")
     if kind in ("normal", "lognormal", "uniform") and len(array) != 2:

@@ -269,7 +269,7 @@ class Spec(Options):
     def from_values(cls, values: Mapping[str, Any], origin: str) -> Spec:
         """A spec from a dictionary. Raises InputError naming the key that is wrong."""
         for key in values:
-            if key not in KEYS:
+            if key not in (*KEYS, "individuals"):
                 raise unknown("key", key, KEYS, origin)
         if "model" not in values:
             raise InputError(f"model is missing ({origin})")

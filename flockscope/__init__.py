@@ -3,8 +3,9 @@
 What is named here and in the modules below is what a script, a notebook or a package of your own
 may import; nothing else is promised.
 
-- `flockscope`: flocks, the models by name, worlds, sweeps, batches, sensitivity, optima, runs
-  of the laboratory, and the error for what cannot be used
+- `flockscope`: flocks, the models by name, what agents' own numbers are drawn from, worlds,
+  sweeps, batches, sensitivity, optima, runs of the laboratory, and the error for what cannot be
+  used
 - `flockscope.rules`: for who writes a rule
 - `flockscope.worlds`: worlds, their obstacles and missions; layouts, readers, generators, checks
 - `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
@@ -38,8 +39,13 @@ if TYPE_CHECKING:
     from flockscope._models import MODELS as MODELS
     from flockscope._models import Recording as Recording
     from flockscope._models import Spec as Spec
+    from flockscope._models import each as each
     from flockscope._models import from_file as from_file
+    from flockscope._models import lognormal as lognormal
     from flockscope._models import model as model
+    from flockscope._models import normal as normal
+    from flockscope._models import one_of as one_of
+    from flockscope._models import uniform as uniform
     from flockscope._sweeps import batch_run as batch_run
     from flockscope._sweeps import optimise as optimise
     from flockscope._sweeps import runs_frame as runs_frame
@@ -64,7 +70,10 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "_flocks": ("Flock", "Member", "MissionRecord", "Series", "fly", "follow"),
-    "_models": ("MODELS", "Recording", "Spec", "from_file", "model"),
+    "_models": (
+        *("MODELS", "Recording", "Spec", "from_file", "model"),
+        *("each", "lognormal", "normal", "one_of", "uniform"),
+    ),
     "_sweeps": ("batch_run", "optimise", "runs_frame", "sensitivity", "sweep"),
     "worlds": (
         *("Box", "CShape", "Disc", "Goal", "InputError", "Mission", "Path", "Polygon", "Prism"),

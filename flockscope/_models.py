@@ -4,6 +4,7 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 
 # isort: split
 from agents.catalogue import MODELS, from_file, model
+from agents.individuals import each, lognormal, normal, one_of, uniform
 from agents.recordings.recording import Recording
 from agents.spec import Spec
 
@@ -11,6 +12,11 @@ __all__ = [
     "MODELS",
     "Recording",
     "Spec",
+    "each",
     "from_file",
+    "lognormal",
     "model",
+    "normal",
+    "one_of",
+    "uniform",
 ]

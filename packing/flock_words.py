@@ -30,7 +30,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypedDict
 
+import numpy as np
+
+from agents.individuals import Distribution
 from worlds.world import World
+
+Number = float | Distribution | Sequence[float] | np.ndarray
+"""A number of all agents, or what gives each agent its own."""
 '''
 TYPES = {"size": "float | Sequence[float]", "world": "str | World", "dim": "Literal[2, 3]"}
 """Of options that take more than one kind of value."""
@@ -51,7 +57,7 @@ def parameter_type(several: list[DeclaredParameter], annotations: set[Any]) -> s
     if any(one.kind == "switch" for one in several):
         kinds.append("bool")
     if any(one.kind == "number" for one in several):
-        kinds.append("int" if annotations == {int} else "float")
+        kinds.append("int" if annotations == {int} else "Number")
     return " | ".join(kinds)
 
 

@@ -158,7 +158,8 @@ def read(path: Path) -> tuple[dict[str, Any], Origins]:
         )
     for key in ("versions", "parameters"):
         value = values.get(key, {})
-        if not isinstance(value, dict) or any(isinstance(v, dict | list) for v in value.values()):
+        inner = dict | list if key == "versions" else ()
+        if not isinstance(value, dict) or any(isinstance(v, inner) for v in value.values()):
             raise InputError(f"{key} is not a table of single values ({origins[key]})")
     for name in values.get("parameters", {}):
         origins[name] = place(path, text, name, f"{table}.parameters".lstrip("."))

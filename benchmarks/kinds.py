@@ -1,0 +1,108 @@
+"""What it costs that agents differ: a tick with own parameters over one in which all share them.
+
+    uv run python benchmarks/kinds.py
+    uv run python benchmarks/kinds.py --json
+
+Each contestant runs as many ticks in turn with the others, on one thread; its time is the shortest
+of the rounds. `one` has one parameter that differs, `all` every one that may.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.individuals import uniform
+from agents.models.declare import declared
+
+ROUNDS = 7
+SECONDS = 0.2
+"""Of ticks that a contestant runs in a round, at least."""
+ALLOWED = 1.15
+"""How many times longer a tick may take where agents differ."""
+CASES = (
+    *(("vem", n, "v0") for n in (1_000, 100_000)),
+    *(("couzin", n, "s") for n in (1_000, 100_000)),
+    *(("hwvem", n, "v0") for n in (1_000, 100_000)),
+    ("dorsogna", 1_000, "alpha"),
+    ("reynolds", 1_000, "r"),
+)
+
+
+class Cost(NamedTuple):
+    """A tick of a model with so many agents."""
+
+    model: str
+    agents: int
+    nanoseconds: float
+    """Of one agent and tick where all share their parameters."""
+    one: float
+    """How many times as long where one parameter differs."""
+    all: float
+    """How many times as long where all that may differ do."""
+
+
+def spread(model: str, names: tuple[str, ...]) -> dict[str, Any]:
+    """A spread of a tenth about the default of some parameters."""
+    known = {one.name: one for one in declared(Flock(model, agents=2, rng=1).model.parameters)}
+    words = {}
+    for name in names:
+        low, high = 0.95 * known[name].default, 1.05 * known[name].default
+        words[name] = uniform(max(low, known[name].low), min(high, known[name].high))
+    return words
+
+
+def measure(model: str, agents: int, name: str) -> Cost:
+    """The cost of one case, contestants in turn, in a box in which the density is the model's."""
+    small = Flock(model, rng=1)
+    box = (agents / len(small.ids)) ** (1.0 / small.world.dim) * np.array(small.world.size)
+    individual = small.model.individual
+    flocks = [
+        Flock(model, agents=agents, size=tuple(box), world="wrap", rng=1, **spread(model, names))
+        for names in ((), (name,), individual)
+    ]
+    for flock in flocks:
+        flock.run(2)
+    begin = time.perf_counter()
+    flocks[0].run(1)
+    ticks = max(1, round(SECONDS / (time.perf_counter() - begin)))
+    least = [float("inf")] * len(flocks)
+    for _ in range(ROUNDS):
+        for k, flock in enumerate(flocks):
+            begin = time.process_time()
+            flock.run(ticks)
+            least[k] = min(least[k], time.process_time() - begin)
+    shared = least[0] / ticks / agents * 1e9
+    return Cost(model, agents, shared, least[1] / least[0], least[2] / least[0])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--json", action="store_true", help="as JSON")
+    options = parser.parse_args()
+    costs = []
+    if not options.json:
+        print(f"{'model':10s}{'agents':>9s}{'ns':>9s}{'one':>7s}{'all':>7s}")
+    for case in CASES:
+        cost = measure(*case)
+        costs.append(cost._asdict())
+        if not options.json:
+            print(
+                f"{cost.model:10s}{cost.agents:9d}{cost.nanoseconds:9.0f}{cost.one:7.2f}{cost.all:7.2f}"
+            )
+    most = max(max(cost["one"], cost["all"]) for cost in costs)
+    if options.json:
+        print(json.dumps({"costs": costs, "most": most, "allowed": ALLOWED}))
+    else:
+        print(f"most: {most:.2f} times, {ALLOWED} allowed")
+
+
+if __name__ == "__main__":
+    main()
