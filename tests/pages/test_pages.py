@@ -18,6 +18,7 @@ import pytest
 import tomlkit
 
 from agents.flock import Flock
+from agents.spec import KEYS, Spec
 from app.cli.main import COMMANDS
 from app.live.laboratory.lab_file import lab_from_toml
 from app.studies.optimisation.study import OptimisationFile
@@ -251,7 +252,7 @@ def check_python(block, names, capsys):
 
 def check_toml(block):
     """Load TOML as what it is: a laboratory, a part of it, a world, a sweep, a search, an entry, a
-    scene with steps."""
+    scene with steps, a run."""
     made = tomllib.loads(block.code)
     if "project" in made:
         ((group, named),) = made["project"]["entry-points"].items()
@@ -266,6 +267,8 @@ def check_toml(block):
         OptimisationFile(**({"run": {"model": "vem", "ticks": 1}} | made))
     elif "replicates" in made:
         SweepFile(**({"run": {"model": "vem", "ticks": 1}} | made))
+    elif "model" in made and set(made) <= set(KEYS):
+        Flock(Spec.from_toml(block.code, "page"))
     else:
         whole = tomlkit.parse(file_from("docs/live.md", "lab.toml")) | made
         lab_from_toml(block.code if "cars" in made else tomlkit.dumps(whole), str(block))
