@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Never, Unpack
@@ -17,6 +18,7 @@ from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.gated_motion import GatedMotion
 from agents.individuals import each
 from agents.inspection import Inspection, compile_inspection, inspect
+from agents.kinds import kind_table
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
@@ -35,12 +37,14 @@ from agents.state.agent_rows import (
     select_rows,
     start_arrays,
 )
+from agents.state.passages import Passages
 from agents.state.start import (
     Start,
     free_positions,
     given_start,
     random_headings,
     random_start,
+    spread,
 )
 from agents.strips.strip_engine import checked_ranks
 from worlds.generators import draw_obstacles
@@ -174,6 +178,7 @@ class Flock(TickClock, GatedMotion):
         self.seed = spec.seed
         self._begin_model()
         self._demand_individual(spec.individuals)
+        self._demand_kinds(kind_table(spec.kinds, spec.to))
         self._begin(spec.seed, start)
         if self.ranks != 1:
             self._demand_strips()
@@ -191,17 +196,22 @@ class Flock(TickClock, GatedMotion):
         self.tick = 0
         self.options = spec
         self.individuals, self.redrawn = dict(spec.individuals), {}
+        self.kinds = kind_table(spec.kinds, spec.to)
+        self.catches = Passages.none(self.world.dim)
         if start is None:
             begin, own = self._random_start()
         else:
             begin, own = self._start_from_arrays(start)
         informed_count = int(begin.informed.sum())
-        counts = {"agents": len(begin.position) - informed_count, "informed": informed_count}
+        of_kinds = sum(kind.agents for kind in spec.kinds)
+        ordinary = len(begin.position) - informed_count - of_kinds
+        counts = {"agents": ordinary, "informed": informed_count}
         self.options = spec.model_copy(update={"seed": seed} | counts)
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self.next_id = len(begin.position) + 1
-        arrays = start_arrays(begin, self.model, 1)._replace(own=own)
+        arrays = start_arrays(begin, self.model, 1)
+        arrays = arrays._replace(own=own, kind=self._kind_at_start(arrays.ids))
         if is_same:
             self._swap_arrays(arrays)
         else:
@@ -246,16 +256,51 @@ class Flock(TickClock, GatedMotion):
 
     def _own_at_start(self, ids: np.ndarray) -> np.ndarray:
         """The own parameters (N, Q) of agents with which the flock begins. Raises InputError."""
-        return self._own_of(ids, self.parameters, self.individuals, self.individuals)
+        kind = self._kind_at_start(ids)
+        return self._own_of(ids, self.parameters, self.individuals, self.individuals, kind)
+
+    def _kind_at_start(self, ids: np.ndarray) -> np.ndarray:
+        """The number of the kind of each agent with which the flock begins, (N,), or (0,).
+
+        The agents of kinds have the last identities. Raises InputError for more than there are.
+        """
+        kinds = self.kinds.kinds
+        if not kinds:
+            return np.empty(0)
+        numbers = np.repeat(np.arange(len(kinds)) + 1.0, [kind.agents for kind in kinds])
+        if len(numbers) > len(ids):
+            raise InputError(f"kinds have {len(numbers)} agents, and the flock has {len(ids)}")
+        kind: np.ndarray = np.append(np.zeros(len(ids) - len(numbers)), numbers)[ids - 1]
+        return kind
 
     def _random_start(self) -> tuple[Start, np.ndarray]:
         """A random start, with the speeds that the body begins with, and the agents' own
         parameters. Raises InputError."""
         run = self.options
         gap = self._start_gap(self._own_at_start(np.arange(1, run.count + 1)))
-        begin = random_start(self.world, run.agents, run.informed, self.seed, run.spacing, gap)
+        ordinary = run.count - run.informed
+        begin = random_start(self.world, ordinary, run.informed, self.seed, run.spacing, gap)
+        begin = self._start_kinds_in_boxes(begin, gap)
         own = self._own_at_start(1 + begin.number)
         return self._with_start_speeds(begin, bool(begin.speed.any()), own), own
+
+    def _start_kinds_in_boxes(self, begin: Start, gap: float) -> Start:
+        """The start, with those of a kind that has a box of its own there. Raises InputError."""
+        kind = self._kind_at_start(1 + begin.number)
+        position = begin.position.copy()
+        for number, one in enumerate(self.kinds.kinds, 1):
+            if one.start is None:
+                continue
+            low, high = np.array(one.start)
+            if len(low) != self.world.dim:
+                raise InputError(
+                    f"start of kind {one.name} has {len(low)} coordinates: the world has "
+                    f"{self.world.dim}"
+                )
+            rows = np.flatnonzero(kind == number)
+            ids = 1 + begin.number[rows]
+            position[rows] = spread(self.world, low, high - low, ids, 0.0, self.seed, gap)
+        return replace(begin, position=position)
 
     def _start_from_arrays(
         self, start: Mapping[str, Any], first_id: int | None = None
@@ -283,7 +328,7 @@ class Flock(TickClock, GatedMotion):
         """A parameter by its name; where agents differ in it, the number of each, (N,)."""
         if not self._has_parameter(name):
             return super().__getattr__(name)
-        return self.own[name] if name in self.individuals else getattr(self.parameters, name)
+        return self.own[name] if name in self.differing else getattr(self.parameters, name)
 
     def __setattr__(self, name: str, value: Any) -> None:
         """A parameter that is assigned is set, as by `set`: InputError if it is not allowed."""
@@ -330,6 +375,8 @@ class Flock(TickClock, GatedMotion):
         columns: dict[str, Any] = {axis: self.position[:, k] for k, axis in enumerate(axes)}
         columns |= {f"heading_{axis}": self.heading[:, k] for k, axis in enumerate(axes)}
         columns |= {"speed": self.speed, "informed": self.informed.astype(bool), **self.own}
+        if self.kinds.kinds:
+            columns["kind"] = self.kind_names
         return pd.DataFrame(
             {name: column.copy() for name, column in columns.items()},
             index=pd.Index(self.ids.copy(), name="id"),
@@ -449,7 +496,8 @@ class Flock(TickClock, GatedMotion):
             {"position": [position], "heading": [heading], "informed": [informed]}, self.next_id
         )
         ages = self.arrays.past.shape[1]
-        new_arrays = start_arrays(new, self.model, self.next_id)._replace(own=own)
+        new_arrays = start_arrays(new, self.model, self.next_id)
+        new_arrays = new_arrays._replace(own=own, kind=self._ordinary(len(own)))
         new_arrays = resize_past(new_arrays, ages, len(self.model.signals), self.tick)
         self._set_arrays(join_arrays(self.arrays, new_arrays))
         self.next_id += 1
@@ -554,6 +602,8 @@ class Flock(TickClock, GatedMotion):
                 for name, one in self.individuals.items()
                 if len(self.ids) or not one.is_by_hand
             },
+            kinds=self.kinds.kinds,
+            to=self.kinds.of_ordinary,
             layout=None if is_built_in(self.world, self.seed) else self.world.to_layout(),
             versions=versions(),
         )

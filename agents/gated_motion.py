@@ -48,6 +48,10 @@ class GatedMotion(Motion):
     is in the compiled loop: a flock in any other world runs as it did.
     """
 
+    def _ordinary(self, n: int) -> np.ndarray:
+        """The kind of n ordinary agents, where there are kinds: (n,), else (0,)."""
+        return np.zeros(n if self.kinds.kinds else 0)
+
     def _start_gap(self, own: np.ndarray) -> float:
         """How far from what is solid agents with these own parameters start at least, length."""
         gap = start_gap(self.model.body)
@@ -67,7 +71,7 @@ class GatedMotion(Motion):
             return begin
         begins = body.begins
         chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
-        if not self.individuals:
+        if not self.differing:
             return replace(begin, speed=np.broadcast_to(begins(self.parameters, chance), n).copy())
         names = self.model.individual
         speed = [
@@ -150,7 +154,8 @@ class GatedMotion(Motion):
         region_velocities(source, self.seed, ids, heading, speed)
         start = Start(places, heading, np.zeros(len(ids), bool), speed, order)
         start = self._with_start_speeds(start, source.speed_low is not None, own, self.next_id)
-        new = start_arrays(start, self.model, self.next_id)._replace(own=own)
+        new = start_arrays(start, self.model, self.next_id)
+        new = new._replace(own=own, kind=self._ordinary(len(own)))
         new = resize_past(new, arrays.past.shape[1], len(self.model.signals), self.tick)
         self.entries = self.entries.with_more(self.tick, ids, np.full(len(ids), number), places)
         self.next_id += len(ids)

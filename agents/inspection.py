@@ -247,7 +247,8 @@ def inspect_row(
     d2 = (offset**2).sum(axis=1)
     active = flock.active
     reach = float(getattr(flock.parameters_of(row), rule.reach))
-    rows = np.flatnonzero((d2 > 0.0) & (d2 <= reach**2) & active & active[row])
+    heeded = flock.heeds(np.full(len(d2), row), np.arange(len(d2)))
+    rows = np.flatnonzero((d2 > 0.0) & (d2 <= reach**2) & active & active[row] & heeded)
     parameters = context.parameters
     if flock.nearest:
         other_rows = np.flatnonzero(active & active[row])

@@ -15,6 +15,7 @@ from agents.engine import runner
 from agents.engine.arrays import NEVER, Arrays, Context, EngineStopCondition, WorldContext
 from agents.engine.cells import Space
 from agents.engine.compiled_loop import delayed_module, is_compiled, loop_module, turns_module
+from agents.engine.heeding import COLUMNS
 from agents.engine.noise import ANGULAR, NO_WIND, VECTORIAL
 from agents.engine.pairs import pair_runner
 from agents.engine.pairs.pair_runner import PairEngine
@@ -24,7 +25,15 @@ from agents.engine.runner import (
     SequentialEngine,
     SynchronousEngine,
 )
-from agents.individuals import BY_HAND, Distribution, draw_values, split_individuals
+from agents.individuals import (
+    BY_HAND,
+    Distribution,
+    as_distribution,
+    draw_values,
+    normal,
+    split_individuals,
+)
+from agents.kinds import KindTable
 from agents.models.declare import NumberParameter, Parameters, as_floats, checked, describe
 from agents.models.model import Model
 from agents.models.model_calls import call
@@ -50,6 +59,7 @@ if TYPE_CHECKING:
 
 NOISE = "eta"
 """The parameter that the engine takes for the noise intensity; a rule without it has no noise."""
+NO_RELATIONS = np.empty((0, 0, COLUMNS))
 STRETCH = 100_000
 """Ticks for which the wind is known in advance."""
 CHUNK = 500
@@ -125,11 +135,12 @@ class Motion(FlockState):
         return loop_of(self.model, *self._loop_kind)
 
     @property
-    def _loop_kind(self) -> tuple[int, bool, bool, bool, bool, bool]:
+    def _loop_kind(self) -> tuple[int, bool, bool, bool, bool, bool, bool]:
         """What `loop_of` asks for beside the model."""
         world_kind = self.world.dim, self.world.is_solid
-        is_nearest, differ = self.nearest > 0, bool(self.individuals)
-        return *world_kind, self.of_pairs, self.options.is_windy, is_nearest, differ
+        is_nearest, kinds = self.nearest > 0, bool(self.kinds.kinds)
+        differ = kinds or bool(self.individuals)
+        return *world_kind, self.of_pairs, self.options.is_windy, is_nearest, differ, kinds
 
     @property
     def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine | StripEngine:
@@ -160,6 +171,8 @@ class Motion(FlockState):
             reason = f"agents come and go in {self.world.name}"
         if self.individuals:
             reason = f"agents differ in {', '.join(self.individuals)}"
+        if self.kinds.kinds:
+            reason = f"there are kinds of agents: {', '.join(self.kinds.names)}"
         if self.threads > 1:
             reason = f"threads = {self.threads}, and each rank has one thread"
         if reason:
@@ -214,11 +227,15 @@ class Motion(FlockState):
         unbounded = numbers
         if self.nearest:
             unbounded = numbers._replace(**{self.model.bound: np.float64(np.inf)})
-        return Context(numbers, noise, self.reach, self.dt, NO_WIND, 0, unbounded, self.nearest)
+        reach = self._largest(self.model.rule.reach)
+        relations = self.kinds.to_array(reach) if self.kinds.kinds else NO_RELATIONS
+        return Context(
+            numbers, noise, self.reach, self.dt, NO_WIND, 0, unbounded, self.nearest, relations
+        )
 
     def context_of(self, row: int) -> Context:
         """What the agent of a row goes by, with its own parameters as if all shared them."""
-        if not self.individuals:
+        if not self.differing:
             return self.context
         own = {name: float(column[row]) for name, column in self.own.items()}
         heard = {name: value for name, value in own.items() if name != self.model.bound}
@@ -282,6 +299,8 @@ class Motion(FlockState):
             entries=self.entries,
             exits=self.exits,
             individuals=dict(self.individuals),
+            kinds=self.kinds,
+            catches=self.catches,
         )
 
     def return_to(self, past: Snapshot) -> None:
@@ -289,6 +308,7 @@ class Motion(FlockState):
         self._acted.clear()
         self.world, self.parameters = past.world, past.parameters
         self.individuals = dict(past.individuals)
+        self.kinds, self.catches = past.kinds, past.catches
         self.tick, self.next_id = past.tick, past.next_id
         self.entries, self.exits = past.entries, past.exits
         self._set_arrays(Arrays._make(map(np.array, past.arrays)))
@@ -323,7 +343,7 @@ class Motion(FlockState):
         remaining = {name: d for name, d in self.individuals.items() if name not in values}
         self._demand_individual(individuals)
         new = remaining | individuals
-        own = self._own_of(self.ids, parameters, individuals, new)
+        own = self._own_of(self.ids, parameters, individuals, new, self.arrays.kind)
         for name in remaining:  # as they are: some may have been set by hand
             column = self.model.individual.index(name)
             own[:, column] = self.arrays.own[:, column]
@@ -336,8 +356,8 @@ class Motion(FlockState):
         self._demand_individual({name: BY_HAND})
         individuals = {**self.individuals, name: BY_HAND}
         own = self.arrays.own
-        if not self.individuals:
-            own = self._own_of(self.ids, self.parameters, {}, individuals)
+        if not own.shape[1]:
+            own = self._own_of(self.ids, self.parameters, {}, individuals, self.arrays.kind)
         own = own.copy()
         own[row, self.model.individual.index(name)] = float(value)
         self._take_own(self.parameters, individuals, own, self.loop)
@@ -359,12 +379,14 @@ class Motion(FlockState):
         parameters: Parameters,
         drawn: Mapping[str, Distribution],
         individuals: Mapping[str, Distribution],
+        kind: np.ndarray,
     ) -> np.ndarray:
         """The agents' own parameters (N, Q) of `model.individual`; (N, 0) where none differs.
 
-        Those of `drawn` are drawn by identity, all others are shared. Raises InputError.
+        Those of `drawn` are drawn by identity, all others are shared, unless a kind has its own;
+        `kind` is the number of each agent's, (N,) or (0,). Raises InputError.
         """
-        if not individuals:
+        if not individuals and not self.kinds.kinds:
             return np.empty((len(ids), 0))
         numbers = [float(getattr(parameters, name)) for name in self.model.individual]
         own = np.tile(numbers, (len(ids), 1))
@@ -372,18 +394,50 @@ class Motion(FlockState):
         for name, distribution in drawn.items():
             if distribution.is_by_hand:
                 continue
-            declaration = describe(name, self.model.parameters.model_fields[name])
-            assert isinstance(declaration, NumberParameter)
-            column, redrawn = draw_values(distribution, self.seed, name, ids, declaration.bounds)
+            column, redrawn = draw_values(distribution, self.seed, name, ids, self._bounds(name))
             own[:, self.model.individual.index(name)] = column
             self.redrawn = {**self.redrawn, name: redrawn}
+        for number, one in enumerate(self.kinds.kinds, 1):
+            rows = np.flatnonzero(kind == number)
+            for name, value in one.parameters.items():
+                distribution = as_distribution(value) or normal(value, 0.0)
+                column, _ = draw_values(
+                    distribution, self.seed, name, ids[rows], self._bounds(name)
+                )
+                own[rows, self.model.individual.index(name)] = column
         return own
+
+    def _bounds(self, name: str) -> tuple[float, float]:
+        """The least and the largest number that a parameter may be."""
+        declaration = describe(name, self.model.parameters.model_fields[name])
+        assert isinstance(declaration, NumberParameter)
+        return declaration.bounds
+
+    def _demand_kinds(self, kinds: KindTable) -> None:
+        """Raise InputError for kinds that this flock's model cannot have."""
+        if kinds.kinds and self.model.reason_against_kinds:
+            raise InputError(
+                f"kinds are not allowed in {self.model.name}: {self.model.reason_against_kinds}"
+            )
+        if kinds.kinds and self.nearest:
+            raise InputError(
+                "kinds are not allowed where the nearest are neighbours, whatever their distance: "
+                "set neighbours=metric"
+            )
+        for kind in kinds.kinds:
+            try:
+                numbers = split_individuals(kind.parameters)[0]
+                self._demand_individual(numbers)
+                checked(self.model.parameters, {**self.parameters.model_dump(), **numbers})
+            except InputError as error:
+                raise InputError(f"kind {kind.name}: {error}") from None
 
     def _own_of_new(self, ids: np.ndarray) -> np.ndarray:
         """The own parameters of agents that join: what is given agent by agent they share."""
         drawn = {name: d for name, d in self.individuals.items() if d.kind != "each"}
         redrawn, count = self.redrawn, self.drawn
-        own = self._own_of(ids, self.parameters, drawn, self.individuals)
+        ordinary = np.zeros(len(ids))
+        own = self._own_of(ids, self.parameters, drawn, self.individuals, ordinary)
         self.redrawn, self.drawn = redrawn, count
         return own
 
@@ -606,11 +660,12 @@ def loop_of(
     windy: bool,
     nearest: bool,
     differ: bool = False,
+    kinds: bool = False,
 ) -> ModuleType:
     """The module of the compiled loop of a model, in a world with something solid, wind, or not.
 
     `nearest`: whether the nearest are neighbours, whatever their distance. `differ`: whether agents
-    have parameters of their own.
+    have parameters of their own. `kinds`: whether there are kinds of them.
     """
     fields = list(dict.fromkeys([*model.parameters.model_fields, NOISE]))
     own = [
@@ -621,5 +676,6 @@ def loop_of(
         "WINDY": windy,
         "NEAREST": nearest,
         "DIFFER": tuple(own) if differ else (),
+        "KINDS": kinds,
     }
     return loop_module("pairs" if of_pairs else "sweep", parts, tuple(fields))

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 
 from agents.engine.arrays import Arrays
+from agents.engine.heeding import OWN
 from agents.individuals import Distribution
+from agents.kinds import ALIASES, NO_KINDS, KindTable
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
@@ -71,6 +73,36 @@ class FlockState:
     """Who has left so far, at which tick, where and through which exit of the mission."""
     individuals: Mapping[str, Distribution] = ALIKE
     """The parameters that differ from agent to agent, and what they were drawn from."""
+    kinds: KindTable = NO_KINDS
+    """The kinds of agents beside the ordinary ones, and whom each heeds."""
+    catches: Passages = NOBODY
+    """Who was caught so far: when, its identity, that of the catcher (`gate`), and where."""
+
+    @property
+    def kind_names(self) -> np.ndarray:
+        """The name of each agent's kind, str (N,); `caught` of who was caught and stands still."""
+        names = np.array([*self.kinds.names, "caught"])
+        if not self.kinds.kinds:
+            return np.full(len(self.ids), names[0])
+        name: np.ndarray = names[self.arrays.kind.astype(int)]
+        return name
+
+    @property
+    def differing(self) -> tuple[str, ...]:
+        """The parameters that differ from agent to agent, or from kind to kind."""
+        of_kinds = (name for kind in self.kinds.kinds for name in kind.parameters)
+        return tuple(dict.fromkeys([*self.individuals, *of_kinds]))
+
+    def rows_of(self, kind: str) -> np.ndarray:
+        """The rows of the agents of a kind, int (M,), without those that were caught and stand
+        still. Raises InputError for a kind that there is not."""
+        names = self.kinds.names
+        name = ALIASES.get(kind, kind) if kind not in names else kind
+        if name not in names:
+            raise unknown("kind", kind, names)
+        if not self.kinds.kinds:
+            return np.arange(len(self.ids))
+        return np.flatnonzero(self.arrays.kind == names.index(name))
 
     @property
     def own(self) -> dict[str, np.ndarray]:
@@ -79,15 +111,25 @@ class FlockState:
         `Flock.set` and the attributes of members change them.
         """
         columns = {}
-        for name in self.individuals:
+        for name in self.differing:
             column = self.arrays.own[:, self.model.individual.index(name)].view()
             column.flags.writeable = False
             columns[name] = column
         return columns
 
+    def heeds(self, rows: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """Whether the agents of rows (M,) take those of other rows as neighbours, bool (M,)."""
+        if not self.kinds.kinds:
+            return np.ones(np.broadcast(rows, others).shape, bool)
+        own = self.kinds.to_array(0.0)[:, :, OWN] > 0.0
+        kind = self.arrays.kind.astype(int)
+        is_met = (kind[rows] >= 0) & (kind[others] >= 0)
+        is_heeded: np.ndarray = own[kind[rows], kind[others]] & is_met
+        return is_heeded
+
     def parameters_of(self, row: int) -> Parameters:
         """The parameters of the agent of a row."""
-        if not self.individuals:
+        if not self.differing:
             return self.parameters
         return self.parameters.model_copy(
             update={name: float(column[row]) for name, column in self.own.items()}
@@ -101,9 +143,7 @@ class FlockState:
         `table`: the agents' own parameters, by default as they are now.
         """
         table = self.arrays.own if table is None else table
-        if not self.individuals:
-            return np.full(len(table), float(function(self.parameters)))
-        names = self.model.parameters_read(function) & self.individuals.keys()
+        names = self.model.parameters_read(function) & set(self.differing)
         columns = [self.model.individual.index(name) for name in names]
         if not columns:
             return np.full(len(table), float(function(self.parameters)))
@@ -117,9 +157,9 @@ class FlockState:
     def _largest(self, name: str) -> float:
         """The largest number that agents have of a parameter, or of a property of parameters."""
         shared = float(getattr(self.parameters, name))
-        if not self.individuals:
+        if not self.differing:
             return shared
-        if name in self.individuals:
+        if name in self.differing:
             return float(self.own[name].max(initial=-math.inf)) if len(self.ids) else shared
         computed = getattr(type(self.parameters), name, None)
         if not isinstance(computed, property) or computed.fget is None or not len(self.ids):
@@ -181,7 +221,7 @@ class FlockState:
     @property
     def reach(self) -> float:
         """The largest distance at which agents notice each other, length."""
-        return self._largest(self.model.rule.reach)
+        return max(self._largest(self.model.rule.reach), self.kinds.radius)
 
     @property
     def nearest(self) -> int:
@@ -250,6 +290,8 @@ class Snapshot(FlockState):
     entries: Passages = NOBODY
     exits: Passages = NOBODY
     individuals: Mapping[str, Distribution] = field(default_factory=dict)
+    kinds: KindTable = NO_KINDS
+    catches: Passages = NOBODY
 
     @property
     def crashes(self) -> Crashes:
@@ -276,7 +318,11 @@ class Snapshot(FlockState):
     def _links(self) -> np.ndarray:
         if self.nearest:
             return nearest_links(self.position, self.nearest, self.world.size, self.world.images)
-        pairs = links(self.position, self.reach, self.world.size, self.world.images)
+        reach = self._largest(self.model.rule.reach)
+        pairs = links(self.position, reach, self.world.size, self.world.images)
+        if self.kinds.kinds:
+            i, j = pairs.T
+            pairs = pairs[self.heeds(i, j) | self.heeds(j, i)]
         own = self.own.get(self.model.rule.reach)
         if own is None:
             return pairs

@@ -22,6 +22,7 @@ from pydantic import (
 
 from agents.conditions import Conditions
 from agents.individuals import Distribution, split_individuals
+from agents.kinds import Kind, Relation, as_kinds, as_relation, kind_table
 from agents.option import Option, distance, from_, option, whole_number
 from worlds.input_error import InputError, needed, shorten, unknown
 from worlds.text_file import read_text, toml
@@ -66,9 +67,21 @@ def distributions(value: Any) -> dict[str, Distribution]:
     return split_individuals(value)[1]
 
 
-def values_of(individuals: Mapping[str, Distribution]) -> dict[str, Any]:
-    """Distributions as TOML and JSON have them."""
-    return {name: one.to_value() for name, one in individuals.items()}
+def values_of(named: Mapping[str, Distribution | Relation]) -> dict[str, Any]:
+    """Distributions or relations as TOML and JSON have them."""
+    return {name: one.to_value() for name, one in named.items()}
+
+
+def values_of_kinds(kinds: Sequence[Kind]) -> list[dict[str, Any]]:
+    """Kinds as TOML and JSON have them."""
+    return [kind.to_value() for kind in kinds]
+
+
+def relations(value: Any) -> dict[str, Relation]:
+    """Relations by the names of kinds. Raises InputError."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"to = {shorten(value)} is not allowed: names of kinds are needed")
+    return {str(name): as_relation(one) for name, one in value.items()}
 
 
 def name_or_world(value: Any, info: ValidationInfo) -> str | World:
@@ -195,6 +208,15 @@ class Spec(Options):
     versions: dict[str, str] = Field(default_factory=dict)
     """Of what the numbers depend on."""
 
+    kinds: Annotated[
+        tuple[Kind, ...], PlainValidator(as_kinds), PlainSerializer(values_of_kinds)
+    ] = ()
+    """Kinds of agents beside the ordinary ones, on top of `agents`."""
+    to: Annotated[dict[str, Relation], PlainValidator(relations), PlainSerializer(values_of)] = (
+        Field(default_factory=dict)
+    )
+    """What the ordinary agents do about other kinds, by their names."""
+
     def __init__(self, model: Any = DEFAULT, **words: Unpack[SpecWords]) -> None:
         values: dict[str, Any] = {**words}
         if isinstance(values.get("parameters"), Mapping):
@@ -215,6 +237,7 @@ class Spec(Options):
             raise input_error_of(error.errors()[0]) from None
         if self.agents is not None and self.start == "random":
             whole_number("agents", self.agents, 1)
+        kind_table(self.kinds, self.to)
         if self.is_late and self.activation != "synchronous":
             raise InputError(
                 f"activation = {self.activation!r} is not allowed where messages take time or are "
@@ -227,8 +250,9 @@ class Spec(Options):
 
     @property
     def count(self) -> int:
-        """All agents, information agents among them."""
-        return (self.agents or 0) + (self.informed or 0)
+        """All agents, information agents and those of all kinds among them."""
+        of_kinds = sum(kind.agents for kind in self.kinds)
+        return (self.agents or 0) + (self.informed or 0) + of_kinds
 
     def setting(self, name: str) -> Any:
         """The value of an option or a parameter by name."""
@@ -258,6 +282,7 @@ class Spec(Options):
         implied |= {key for key in Conditions.model_fields if key not in self.chosen}
         values = spec.model_dump(mode="json", exclude_none=True, exclude=implied)
         values["parameters"] |= values.pop("individuals")
+        values = {key: one for key, one in values.items() if one or key not in ("kinds", "to")}
         return tomlkit.dumps({key: values[key] for key in KEYS if key in values})
 
     @classmethod

@@ -44,13 +44,16 @@ class Arrays(NamedTuple):
     past: np.ndarray
     """The flock as it stood at the last ticks, where messages take time, else no ticks: position,
     heading, speed and signals; (N, ticks, 2 dim + 1 + K), that of tick k at k modulo ticks."""
+    kind: np.ndarray = np.empty(0)
+    """Where there are kinds, the number of each agent's, or `heeding.CAUGHT`; float64 (N,), else
+    (0,)."""
     own: np.ndarray = np.empty((0, 0))
     """Where agents differ, each one's parameters, `Model.individual` by name; (N, Q), else
     (N, 0)."""
 
 
-def empty_slots(n: int, dim: int, signals: int, speeds: bool) -> Slots:
-    """Empty arrays for a sorted copy of n agents, with their speeds or without."""
+def empty_slots(n: int, dim: int, signals: int, speeds: bool, kinds: bool = False) -> Slots:
+    """Empty arrays for a sorted copy of n agents, with their speeds and kinds or without."""
     n3, index = n if dim == 3 else 0, index_type(n)
     return Slots(
         np.zeros(n, index),
@@ -64,6 +67,7 @@ def empty_slots(n: int, dim: int, signals: int, speeds: bool) -> Slots:
         np.empty(n if speeds else 0),
         np.empty((signals, n)),
         np.zeros(n if signals else 0, index),
+        np.empty(n if kinds else 0),
     )
 
 
@@ -86,13 +90,15 @@ class Context(NamedTuple):
     radius beyond which it hears nobody; the loop's `P`."""
     nearest: int
     """How many nearest agents a rule is shown; 0 where it is shown all within reach."""
+    relations: np.ndarray
+    """Of each kind to each, (K, K, heeding.COLUMNS); none where there are no kinds."""
 
 
 class Workspace(NamedTuple):
     """One thread's scratch buffers."""
 
     block: np.ndarray
-    """A neighbourhood block: positions, headings, positions of nearest images, speeds; (10,
+    """A neighbourhood block: positions, headings, positions of nearest images, speeds, kinds; (11,
     capacity)."""
     signals: np.ndarray
     """The block's signals, (K, capacity)."""
@@ -127,7 +133,7 @@ def empty_workspace(
     A block has a row more than is used: eight at once read beyond the last agent of the one before.
     """
     return Workspace(
-        np.zeros((10 + 1, capacity)),
+        np.zeros((11 + 1, capacity)),
         np.zeros((signals + 1, capacity)),
         np.zeros((7 + 1, capacity)),
         np.zeros((signals + 1, capacity)),

@@ -75,6 +75,8 @@ class Slots(NamedTuple):
     """Shape (K, N)."""
     queue: np.ndarray
     """Space for a list of slots, `index_type` (N,); empty for rules without signals."""
+    kind: np.ndarray
+    """Empty where there are no kinds."""
 
 
 @compiled
@@ -198,7 +200,7 @@ def place_rows(grid, slots, part, low, high):
 
 
 @compiled
-def fill_slots(slots, position, heading, speed, memory, low, high):
+def fill_slots(slots, position, heading, speed, memory, kind, low, high):
     """Fourth pass: copy the rows of slots low to high, so that a cell's agents lie together."""
     dim = position.shape[1]
     for slot in range(low, high):
@@ -212,6 +214,8 @@ def fill_slots(slots, position, heading, speed, memory, low, high):
             slots.uz[slot] = heading[i, 2]
         if slots.speed.shape[0] > 0:
             slots.speed[slot] = speed[i]
+        if slots.kind.shape[0] > 0:
+            slots.kind[slot] = kind[i]
         for k in range(slots.signal.shape[0]):
             slots.signal[k, slot] = memory[k, i]
 
@@ -294,6 +298,8 @@ def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
                 block[5, m + k] = slots.uz[first + k]
             if slots.speed.shape[0] > 0:
                 block[9, m + k] = slots.speed[first + k]
+            if slots.kind.shape[0] > 0:
+                block[10, m + k] = slots.kind[first + k]
             for q in range(slots.signal.shape[0]):
                 signals[q, m + k] = slots.signal[q, first + k]
         return m + n
@@ -306,6 +312,8 @@ def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
         copy_column(block[5], m, slots.uz, first, n, 0.0)
     if slots.speed.shape[0] > 0:
         copy_column(block[9], m, slots.speed, first, n, 0.0)
+    if slots.kind.shape[0] > 0:
+        copy_column(block[10], m, slots.kind, first, n, 0.0)
     for q in range(slots.signal.shape[0]):
         copy_column(signals[q], m, slots.signal[q], first, n, 0.0)
     return m + n

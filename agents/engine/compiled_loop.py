@@ -41,7 +41,8 @@ def loop_module(kind: str, parts: dict[str, Callable | int | None], fields):
         part: getattr(template, part) if function is None else function
         for part, function in parts.items()
     }
-    filled |= {name: getattr(template, name) for name in ("own_of_row", "own_of_eight")}
+    own = "own_of_row", "own_of_eight"
+    filled |= {name: getattr(template, name) for name in own}
     return load(kind, filled, fields)
 
 
@@ -52,6 +53,7 @@ def turns_module(sweep: types.ModuleType):
         "CRASHES",
         "DEAFENS",
         "DIM",
+        "KINDS",
         "MEASURES",
         "NEAREST",
         "PRIVATE",
@@ -64,6 +66,7 @@ def turns_module(sweep: types.ModuleType):
         "lay",
         "nearby",
         "own_of_row",
+        "pick_heeded",
         "pick_nearest",
         "ready",
         "see_points",
@@ -74,7 +77,7 @@ def turns_module(sweep: types.ModuleType):
 
 def delayed_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule know of each other by messages."""
-    constants = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SIGNALS"
+    constants = "ASKS_SPEED", "CRASHES", "DIM", "KINDS", "MEASURES", "NEAREST", "PRIVATE", "SIGNALS"
     functions = "act_on_block", "link", "own_of_row", "row_of", "show_own_signals", "sort_flock"
     turns = turns_module(sweep)
     parts = {part: vars(sweep)[part] for part in (*constants, "holds")}

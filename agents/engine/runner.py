@@ -136,7 +136,7 @@ class Engine:
         self.seed = seed
         n, dim = arrays.position.shape
         self.parts = max(1, threads)
-        self.slots = empty_slots(n, dim, module.SIGNALS, module.ASKS_SPEED)
+        self.slots = empty_slots(n, dim, module.SIGNALS, module.ASKS_SPEED, module.KINDS)
         self.grid = empty_grid(n, self.parts)
         self.workspaces: list[Workspace] = []
         self.enlarge_workspaces(256)

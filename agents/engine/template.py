@@ -36,6 +36,8 @@ ASKS_SPEED = True
 """Whether the rule or the body asks how fast agents are."""
 WINDY = False
 """Whether a wind carries agents along."""
+KINDS = False
+"""Whether there are kinds of agents, and relations between them: see `agents.engine.heeding`."""
 DIFFER: tuple[int, ...] = ()
 """Where agents differ, which field of `P` each column of the table `own` is; -1 for none."""
 BY_LANES = False
@@ -52,6 +54,12 @@ def own_of_row(p, own, row):
 def own_of_eight(p, own, rows, slot, last):
     """By default all agents share their parameters."""
     return p
+
+
+@compiled
+def view_of(p):
+    """By default the field of view is all round, deg."""
+    return 360.0
 
 
 @compiled

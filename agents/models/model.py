@@ -6,7 +6,7 @@ import dis
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from types import FunctionType, SimpleNamespace
 from typing import Any
 
@@ -29,6 +29,7 @@ from agents.models.declare import (
 )
 from agents.models.slider_range import fits_default
 from agents.models.tries import LessonStep
+from worlds.compilation import compiled
 
 NEIGHBOURS, NUMBER = "neighbours", "k"
 """The parameters that say who the neighbours are, and how many of the nearest, of rules that leave
@@ -88,6 +89,14 @@ def vector_name(column: str) -> str:
     ('aim', 'phase')
     """
     return column[:-2] if column[-2:] in ("_x", "_y", "_z") else column
+
+
+@cache
+def view_function(name: str) -> Callable:
+    """Compiled: (p) -> the parameter that is the field of view, deg."""
+    names: dict[str, Any] = {"__name__": __name__}
+    exec(f"def view_of(p):\n    return p.{name}\n", names)
+    return compiled(names["view_of"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,6 +217,12 @@ class Model:
     def individual(self) -> tuple[str, ...]:
         """The parameters that may differ from agent to agent, in their order."""
         return tuple(name for name in self.parameters.model_fields if name not in self.shared)
+
+    @property
+    def reason_against_kinds(self) -> str:
+        """Why there cannot be kinds of its agents, in few words; empty where there can."""
+        is_whole = self.rule.prepare is not None
+        return "its rule looks at the whole flock at once" if is_whole else ""
 
     def parameters_read(self, function: Callable) -> frozenset[str]:
         """The parameters that a function of theirs reads, also through their properties."""
@@ -334,6 +349,7 @@ class Model:
             "PRIVATE": len(rule.memory),
             "HEADS": rule.wish == "heading",
             "DEAFENS": body.deafens,
+            "view_of": view_function(rule.view) if rule.view else None,
             "SEES_POINTS": rule.sees_points,
             "SIFTS": rule.sifts,
             "MEASURES": len(body.measures),

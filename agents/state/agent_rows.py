@@ -44,6 +44,7 @@ def start_arrays(start: Start, model: Model, first_id: int) -> Arrays:
         np.repeat(model.initial_columns[:, None], n, axis=1),
         no_crashes(n if model.body.touches else 0, start.position.shape[1]),
         np.empty((n, 0, 0)),
+        np.empty(0),
         np.empty((n, 0)),
     )
 
@@ -81,9 +82,11 @@ def select_rows(arrays: Arrays, rows: np.ndarray) -> Arrays:
     rows_of_fields = {
         name: np.take(column, rows, axis=int(name == "memory"))
         for name, column in arrays._asdict().items()
-        if name != "crash_record"
+        if name not in ("crash_record", "kind")
     }
-    return Arrays(**rows_of_fields, crash_record=np.take(arrays.crash_record, crashed_rows, axis=0))
+    crash_record = np.take(arrays.crash_record, crashed_rows, axis=0)
+    kind = arrays.kind[rows] if len(arrays.kind) else arrays.kind
+    return Arrays(**rows_of_fields, crash_record=crash_record, kind=kind)
 
 
 # Who has crashed: when, where, and against what.

@@ -68,7 +68,7 @@ def count_places(grid, space, position, slots, part, low, high):
 
 
 @compiled
-def fill_slots(grid, position, heading, speed, slots, part, low, high):
+def fill_slots(grid, position, heading, speed, kind, slots, part, low, high):
     """Third pass, after `share_slots`: copy places low to high into their slots."""
     count = grid.tally[part]
     solid = position.shape[1] == 3
@@ -86,6 +86,8 @@ def fill_slots(grid, position, heading, speed, slots, part, low, high):
             slots.uz[slot] = heading[i, 2]
         if slots.speed.shape[0] > 0:
             slots.speed[slot] = speed[slots.queue[i]]
+        if slots.kind.shape[0] > 0:
+            slots.kind[slot] = kind[slots.queue[i]]
 
 
 @compiled
@@ -101,6 +103,8 @@ def exchange(slots, a, b):
         slots.uz[a], slots.uz[b] = slots.uz[b], slots.uz[a]
     if slots.speed.shape[0] > 0:
         slots.speed[a], slots.speed[b] = slots.speed[b], slots.speed[a]
+    if slots.kind.shape[0] > 0:
+        slots.kind[a], slots.kind[b] = slots.kind[b], slots.kind[a]
 
 
 @compiled

@@ -14,6 +14,7 @@ from agents.engine.arrays import (
     index_type,
 )
 from agents.engine.cells import Slots
+from agents.engine.heeding import COLUMNS
 from agents.engine.pairs import tick as pairs
 from agents.engine.pairs.thread_barrier import BAD, STOP
 from agents.engine.runner import UNTRACED, Called, Team, at_once, refuse
@@ -23,7 +24,7 @@ SPLIT_FROM = 10_000
 """Agents below which one thread is faster than several, which meet within compiled code."""
 
 
-def padded_slots(n: int, dim: int, speeds: bool) -> Slots:
+def padded_slots(n: int, dim: int, speeds: bool, kinds: bool) -> Slots:
     """Empty arrays for a sorted copy of n agents that is read eight at a time."""
     padded = n + WIDTH
     x, y, z, ux, uy, uz = (np.zeros(padded if axis % 3 < dim else 0) for axis in range(6))
@@ -31,7 +32,8 @@ def padded_slots(n: int, dim: int, speeds: bool) -> Slots:
     cell, queue = np.zeros(n, index), np.zeros(n, index)
     speed = np.zeros(padded if speeds else 0)
     row, signal = np.zeros(padded, index)[:n], np.empty((0, n))
-    return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue)
+    kind = np.zeros(padded if kinds else 0)
+    return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue, kind)
 
 
 class PairEngine:
@@ -53,7 +55,7 @@ class PairEngine:
         self.seed = seed
         n, dim = arrays.position.shape
         self.parts = max(1, threads)
-        self.slots = padded_slots(n, dim, module.ASKS_SPEED)
+        self.slots = padded_slots(n, dim, module.ASKS_SPEED, module.KINDS)
         self.grid = empty_grid(n, self.parts)
         self.index = self.grid.start.dtype
         self.notes = [self.empty_notes() for _ in range(self.parts)]
@@ -61,16 +63,17 @@ class PairEngine:
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
 
-    def empty_notes(self, nearest: int = 1) -> pairs.PairWorkspace:
-        """A thread's notes, for so many nearest agents."""
+    def empty_notes(self, nearest: int = 1, kinds: int = 0) -> pairs.PairWorkspace:
+        """A thread's notes, for so many nearest agents and kinds."""
         loop, points = self.module, self.surroundings.most_points
-        return pairs.empty_notes(loop.SUMS, loop.PRIVATE, points, self.index, nearest)
+        return pairs.empty_notes(loop.ALL_SUMS, loop.PRIVATE, points, self.index, nearest, kinds)
 
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop."""
         part = work[1]
-        if context.nearest > len(self.notes[part].least):
-            self.notes[part] = self.empty_notes(context.nearest)
+        notes, kinds = self.notes[part], len(context.relations)
+        if context.nearest > len(notes.least) or len(notes.relations) != kinds * COLUMNS:
+            self.notes[part] = self.empty_notes(max(1, context.nearest), kinds)
         done, last_off, bad_row = self.called(
             self.module.advance,
             self.arrays,

@@ -35,6 +35,21 @@ from agents.engine.cells import (
 )
 from agents.engine.eight_others import eight_from, is_there, no_lanes
 from agents.engine.flat import ones, zeros
+from agents.engine.heeding import (
+    COLUMNS,
+    FIRST,
+    OWN,
+    POWER,
+    RADIUS,
+    RELATED,
+    WEIGHT,
+    add_relations,
+    edge_of_view,
+    hide,
+    relation_lanes,
+    relation_terms,
+    spread_relations,
+)
 from agents.engine.neighbour_search import (
     begin_least,
     count_ties,
@@ -65,6 +80,7 @@ if TYPE_CHECKING:
         BY_LANES,
         DIM,
         HEADS,
+        KINDS,
         MEETS,
         NEAREST,
         PRIVATE,
@@ -79,8 +95,13 @@ if TYPE_CHECKING:
         own_of_row,
         passes,
         term,
+        view_of,
     )
 
+# The names of a template are in its module before this runs; on its own it stands for a loop of no
+# rule.
+ALL_SUMS = globals().get("SUMS", 0) + (RELATED if globals().get("KINDS") else 0)
+"""The sums of a rule, and those of relations between kinds behind them."""
 SHARE = 512
 """Slots that a thread takes at a time."""
 CHOSEN = 256
@@ -89,7 +110,7 @@ RUN, OPEN, ONE = 0, 1, 2
 """What `advance` is asked for: whole ticks, the sort of one, or one slot of an opened tick."""
 X, Y, Z, UX, UY, UZ, SPEED = range(7)
 """Rows of the table in which the moves of eight agents are written down."""
-OWN, OTHERS, TERMS = 0, 1, 2
+OWN_ROW, OTHERS, TERMS = 0, 1, 2
 """Rounds of the cells around: the k nearest are looked for in the own row, where most of them are,
 then in the other rows; the last round adds up terms."""
 MOST_RINGS = 4
@@ -119,15 +140,17 @@ class PairWorkspace(NamedTuple):
     """The shape of a grid of one cell, (3,)."""
     all_slots: np.ndarray
     """Where the slots of that cell begin and end, (2,)."""
+    relations: np.ndarray
+    """What eight agents have to do with each kind, (K COLUMNS, 8)."""
 
 
 def empty_notes(
-    number: int, private: int, points: int, index: Any, nearest: int = 1
+    number: int, private: int, points: int, index: Any, nearest: int = 1, kinds: int = 0
 ) -> PairWorkspace:
     """Notes of nothing yet; slots are numbered by `index`.
 
-    For so many sums, numbers that each agent keeps to itself, boundary points around one, and
-    nearest agents.
+    For so many sums, numbers that each agent keeps to itself, boundary points around one, nearest
+    agents, and kinds.
     """
     return PairWorkspace(
         np.zeros((max(SPEED + 1, number), WIDTH)),
@@ -140,6 +163,7 @@ def empty_notes(
         np.zeros((4, points)),
         np.ones(3, np.int64),
         np.zeros(2, index),
+        np.zeros((kinds * COLUMNS, WIDTH)),
     )
 
 
@@ -215,6 +239,37 @@ def add_run_terms(sums, slots, first, last, place, me, p, context, space, grid, 
         return sums
     for j in range(np.uintp(first), np.uintp(last)):
         sums = add_terms(sums, term(me, met(slots, j, place, space, grid, lone), p))
+    return sums
+
+
+@compiled
+def add_related_terms(sums, slots, first, last, place, me, p, space, grid, lone, relations):
+    """The same where there are kinds: the terms of those who are neighbours, and what others add.
+
+    A pair of which nobody of the eight has to do with the other's kind asks for one comparison.
+    """
+    edge = edge_of_view(view_of(p))
+    for j in range(np.uintp(first), np.uintp(last)):
+        kind = int(slots.kind[j])
+        if kind < 0:
+            continue
+        other = met(slots, j, place, space, grid, lone)
+        is_own = relation_lanes(relations, kind, OWN) > 0.0
+        if is_any(is_own):
+            terms = add_terms(sums[:SUMS], term(me, hide(other, is_own), p))
+            sums = terms + sums[SUMS:]
+        weight = relation_lanes(relations, kind, WEIGHT)
+        if is_any((weight < 0.0) | (weight > 0.0)):
+            more = relation_terms(
+                me,
+                other,
+                edge,
+                weight,
+                relation_lanes(relations, kind, RADIUS),
+                relation_lanes(relations, kind, POWER),
+                relation_lanes(relations, kind, FIRST),
+            )
+            sums = sums[:SUMS] + add_terms(sums[SUMS:], more)
     return sums
 
 
@@ -311,7 +366,7 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, p, context, lone, n
     k, least = context.nearest, notes.least
     limit2 = ties = no_lanes()
     beyond = limit2 > 0.0
-    for turn in range(OWN if NEAREST else TERMS, TERMS + 1):
+    for turn in range(OWN_ROW if NEAREST else TERMS, TERMS + 1):
         if NEAREST and turn == TERMS:
             limit2 = load(least[k - 1], 0)
             ties = count_ties(least, k)
@@ -320,7 +375,7 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, p, context, lone, n
         for kz in range(fz, fz + mz):
             az, sz = wrap_cell(grid, space, 2, cz + kz)
             for ky in range(fy, fy + my):
-                if NEAREST and turn != TERMS and (turn == OWN) != (kz == 0 and ky == 0):
+                if NEAREST and turn != TERMS and (turn == OWN_ROW) != (kz == 0 and ky == 0):
                     continue
                 ay, sy = wrap_cell(grid, space, 1, cy + ky)
                 row = (az * ny + ay) * nx
@@ -349,6 +404,20 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, p, context, lone, n
                             grid,
                             lone,
                             limit2,
+                        )
+                    elif KINDS:
+                        sums = add_related_terms(
+                            sums,
+                            slots,
+                            first,
+                            last,
+                            place,
+                            me,
+                            p,
+                            space,
+                            grid,
+                            lone,
+                            notes.relations,
                         )
                     else:
                         sums = add_run_terms(
@@ -473,14 +542,21 @@ def move_one(flock, space, surroundings, slots, slot, lane, me, notes, context):
     p = own_of_row(context.parameters, flock.own, slots.row[slot])
     q = own_of_row(context.unbounded, flock.own, slots.row[slot]) if NEAREST else p
     agent = agent_of_slot(flock, slots, slot, table, me.tick, me.key)
+    if KINDS and slots.kind[slot] < 0.0:
+        return BodyMove(agent.x, agent.y, agent.z, agent.ux, agent.uy, agent.uz, 0.0)
     if BY_LANES and not agent.informed:
         moved = move_of_lane(table, lane)
     else:
         if agent.informed:
             wish = waypoint_heading(flock, surroundings, int(slots.row[slot]), agent)
         else:
-            sums = sums_of(table, SUMS, lane)
-            wish = wish_of_one(surroundings, agent, sums, notes, q, context.reach)
+            if KINDS:
+                all_sums = sums_of(table, ALL_SUMS, lane)
+                wish = wish_of_one(surroundings, agent, all_sums[:SUMS], notes, q, context.reach)
+                wish = add_relations(wish, all_sums[SUMS:])
+            else:
+                sums = sums_of(table, SUMS, lane)
+                wish = wish_of_one(surroundings, agent, sums, notes, q, context.reach)
             if HEADS:
                 wish = add_heading_noise(agent, wish, context.noise, p.eta, DIM)
         moved = move(agent, empty_block(), surroundings, wish, p, out)
@@ -501,7 +577,10 @@ def act(flock, space, surroundings, slots, slot, last, me, p, q, sums, notes, co
     """
     table, out = notes.table, notes.table[0]
     if BY_LANES:
-        want = answer(me, sums, surroundings, q)
+        if KINDS:
+            want = add_relations(answer(me, sums[:SUMS], surroundings, q), sums[SUMS:])
+        else:
+            want = answer(me, sums, surroundings, q)
         if HEADS:
             want = add_heading_noise(me, want, context.noise, p.eta, DIM)
         body_move = move(me, empty_block(), surroundings, want, p, out)
@@ -519,7 +598,8 @@ def act(flock, space, surroundings, slots, slot, last, me, p, q, sums, notes, co
         at = begin + lane
         row = np.uintp(slots.row[at])
         to = row if to_rows else at
-        if BY_LANES and not WINDY and MEETS == PASSES and not flock.informed[row]:
+        is_plain = BY_LANES and not WINDY and MEETS == PASSES and not KINDS
+        if is_plain and not flock.informed[row]:
             moved = move_of_lane(table, lane)
         else:
             moved = move_one(flock, space, surroundings, slots, at, lane, me, notes, context)
@@ -554,6 +634,8 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
         me = agents_of_lanes(flock, slots, slot, end, notes, identities, tick, key)
         p = own_of_eight(context.parameters, flock.own, slots.row, slot, end)
         q = own_of_eight(context.unbounded, flock.own, slots.row, slot, end) if NEAREST else p
+        if KINDS:
+            spread_relations(context.relations, slots.kind, slot, end, notes.relations)
         if NEAREST:
             there = is_there(eight_from(slot, end))
             sums = nearest_sums(
@@ -561,7 +643,7 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
             )
         else:
             sums, _ = pair_sums(
-                no_sums(SUMS, me.x),
+                no_sums(ALL_SUMS, me.x),
                 grid,
                 space,
                 slots,
@@ -600,7 +682,7 @@ def sort(flock, space, surroundings, grid, slots, context, tick, meeting, part, 
     if part == 0:
         share_slots(grid, parts)
     meet_threads(meeting, parts)
-    fill_slots(grid, flock.position, flock.heading, flock.speed, slots, part, low, high)
+    fill_slots(grid, flock.position, flock.heading, flock.speed, flock.kind, slots, part, low, high)
     meet_threads(meeting, parts)
     cells = number_of(grid)
     order_cells(grid, slots, cells * part // parts, cells * (part + 1) // parts)

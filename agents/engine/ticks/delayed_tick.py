@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         ASKS_SPEED,
         CRASHES,
         DIM,
+        KINDS,
         NEAREST,
         SIGNALS,
     )
@@ -103,17 +104,21 @@ def copy_known(flock, space, block, signals, j, age, m, memory, tick, shifts):
         block[3 + axis, m] = flock.past[j, at, DIM + axis]
     if ASKS_SPEED:
         block[9, m] = flock.past[j, at, 2 * DIM]
+    if KINDS:
+        block[10, m] = flock.kind[j]
     for k in range(SIGNALS):
         signals[k, m] = flock.past[j, at, 2 * DIM + 1 + k]
 
 
 @compiled
-def copy_self(block, signals, workspace, me, m):
-    """Copy the agent itself, as it is now, to place m of a block."""
+def copy_self(flock, block, signals, workspace, me, i, m):
+    """Copy the agent of row i itself, as it is now, to place m of a block."""
     block[0, m], block[1, m], block[2, m] = me.x, me.y, me.z
     block[3, m], block[4, m], block[5, m] = me.ux, me.uy, me.uz
     if ASKS_SPEED:
         block[9, m] = me.speed
+    if KINDS:
+        block[10, m] = flock.kind[i]
     for k in range(SIGNALS):
         signals[k, m] = workspace.mine[k]
 
@@ -140,7 +145,7 @@ def gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, me
 
     -1: the block has no room.
     """
-    copy_self(workspace.block, workspace.signals, workspace, me, 0)
+    copy_self(flock, workspace.block, workspace.signals, workspace, me, i, 0)
     m = 1
     for c in range(27):
         near, sx, sy, sz = cell_around(grid, space, cell, c)
@@ -161,7 +166,7 @@ def gather_all(flock, space, workspace, messages, seed, me, i, memory):
     n = flock.ids.shape[0]
     if n > workspace.block.shape[1]:
         return -1
-    copy_self(workspace.block, workspace.signals, workspace, me, 0)
+    copy_self(flock, workspace.block, workspace.signals, workspace, me, i, 0)
     m = 1
     for j in range(n):
         if j != i and not (CRASHES and flock.crash_record[j, 0] >= 0.0):

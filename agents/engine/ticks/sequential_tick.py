@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         CRASHES,
         DEAFENS,
         DIM,
+        KINDS,
         NEAREST,
         PRIVATE,
         SEES_POINTS,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
         lay,
         nearby,
         own_of_row,
+        pick_heeded,
         pick_nearest,
         ready,
         see_points,
@@ -101,7 +103,7 @@ def sort_flock(flock, space, surroundings, grid, slots, workspace, context, tick
         return bad_row
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
-    fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, 0, n)
+    fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, flock.kind, 0, n)
     ready(flock, space, grid, slots, workspace, context, tick, key)
     if CRASHES:
         judge_all(flock, space, surroundings, grid, slots, workspace, context, tick, key)
@@ -174,7 +176,10 @@ def act_on_block(flock, space, surroundings, grid, i, me, m, context, workspace)
     points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
     near = nearby(m, workspace, 6, points)
     visible = near
-    if NEAREST:
+    if KINDS:
+        heeded_count = pick_heeded(workspace, m, 6, me, flock.kind[i], context)
+        visible = nearby(heeded_count, workspace, -1, points)
+    elif NEAREST:
         nearest_count, _ = pick_nearest(workspace, m, 6, me, context.nearest)
         visible = nearby(nearest_count, workspace, -1, points)
     act(flock, space, surroundings, i, me, near, visible, context, workspace)
@@ -193,6 +198,8 @@ def copy_row(flock, workspace, p, m, j, sx, sy, sz, tick, key):
     block[5, m] = other.uz
     if ASKS_SPEED:
         block[9, m] = other.speed
+    if KINDS:
+        block[10, m] = flock.kind[j]
     if SIGNALS > 0:
         show_signals(other, own_of_row(p, flock.own, j), workspace)
         for k in range(SIGNALS):

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agents.engine.arrays import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
-from agents.engine.block import Me, NeighbourBlock, see_points
+from agents.engine.block import Me, NeighbourBlock, neighbour_of, see_points
 from agents.engine.cells import (
     FAR,
     count_rows,
@@ -31,6 +31,16 @@ from agents.engine.cells import (
     wrap_into_box,
 )
 from agents.engine.flat import ones, zeros
+from agents.engine.heeding import (
+    FIRST,
+    OWN,
+    POWER,
+    RADIUS,
+    WEIGHT,
+    add_relations,
+    edge_of_view,
+    relation_terms,
+)
 from agents.engine.neighbour_search import all_images, covered_distance, fill_all, rank, width_for
 from agents.engine.noise import add_heading_noise, carry_with_wind, tick_key
 from agents.engine.solid_collision import PASSES, crash, fall, keep_out_of_solids
@@ -45,6 +55,7 @@ if TYPE_CHECKING:
         DEAFENS,
         DIM,
         HEADS,
+        KINDS,
         MEASURES,
         MEETS,
         NEAREST,
@@ -64,6 +75,7 @@ if TYPE_CHECKING:
         remember,
         show,
         touches,
+        view_of,
     )
 
 
@@ -100,6 +112,9 @@ def act(flock, space, surroundings, i, me, near, visible, context, workspace):
     if CRASHES and flock.crash_record[i, 0] >= 0.0:
         fall(flock, space, surroundings, i, context.lasts)
         return
+    if KINDS and flock.kind[i] < 0.0:
+        flock.speed[i] = 0.0
+        return
     out = workspace.out
     for k in range(SIGNALS):
         out[k] = me.signal[k]
@@ -109,6 +124,9 @@ def act(flock, space, surroundings, i, me, near, visible, context, workspace):
         if PRIVATE > 0:
             perceive(me, visible, surroundings, q)
         want = decide(me, visible, surroundings, q)
+        if KINDS:
+            related = related_sum(me, near, workspace.block[10], flock.kind[i], context, p)
+            want = add_relations(want, related)
         if HEADS:
             want = add_heading_noise(me, want, context.noise, p.eta, DIM)
     body_move = move(me, near, surroundings, want, p, out)
@@ -227,6 +245,54 @@ def pick_nearest(workspace, m, at, me, k):
 
 
 @compiled
+def pick_heeded(workspace, m, at, me, kind, context):
+    """Copy those of the m agents of the block that are neighbours of an agent of a kind to `close`;
+    how many. It is among them itself."""
+    block = workspace.block
+    r2 = context.reach * context.reach * FAR
+    n = np.uintp(0)
+    for j in range(m):
+        dx, dy = block[at, j] - me.x, block[at + 1, j] - me.y
+        d2 = dx * dx + dy * dy
+        if DIM == 3:
+            dz = block[at + 2, j] - me.z
+            d2 += dz * dz
+        other = int(block[10, j])
+        is_heeded = d2 == 0.0
+        if other >= 0 and kind >= 0.0 and d2 <= r2:
+            is_heeded = is_heeded or context.relations[int(kind), other, OWN] > 0.0
+        workspace.chosen[n] = j
+        n += np.uintp(1) if is_heeded else np.uintp(0)
+    pick(workspace, at, n)
+    return np.intp(n)
+
+
+@compiled
+def related_sum(me, near, kinds, kind, context, p):
+    """What those around an agent of a kind add to its wish, as `relation_terms` has it."""
+    x = y = z = fx = fy = fz = 0.0
+    edge = edge_of_view(view_of(p))
+    for j in range(near.n):
+        if kinds[j] < 0.0:
+            continue
+        relation = context.relations[int(kind), int(kinds[j])]
+        if relation[WEIGHT] == 0.0:
+            continue
+        more = relation_terms(
+            me,
+            neighbour_of(me, near, j),
+            edge,
+            relation[WEIGHT],
+            relation[RADIUS],
+            relation[POWER],
+            relation[FIRST],
+        )
+        x, y, z = x + more[0], y + more[1], z + more[2]
+        fx, fy, fz = fx + more[3], fy + more[4], fz + more[5]
+    return x, y, z, fx, fy, fz
+
+
+@compiled
 def nearest_to(space, grid, slots, workspace, cell, m, at, me, context):
     """Copy the nearest agents to `close`; how many. The block of the cell stays as it was.
 
@@ -312,7 +378,11 @@ def sweep(flock, space, surroundings, grid, slots, workspace, context, tick, key
             if lone:
                 nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
             visible = near
-            if NEAREST:
+            if KINDS:
+                kind = flock.kind[slots.row[slot]]
+                heeded_count = pick_heeded(workspace, m, at, me, kind, context)
+                visible = nearby(heeded_count, workspace, -1, near.points)
+            elif NEAREST:
                 nearest_count = nearest_to(space, grid, slots, workspace, cell, m, at, me, context)
                 visible = nearby(nearest_count, workspace, -1, near.points)
             elif SIFTS and m > MANY:
@@ -383,7 +453,16 @@ def advance(
         if phases & PLACE:
             place_rows(grid, slots, part, first, last)
         if phases & FILL:
-            fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, first, last)
+            fill_slots(
+                slots,
+                flock.position,
+                flock.heading,
+                flock.speed,
+                flock.memory,
+                flock.kind,
+                first,
+                last,
+            )
         if phases & PREPARE:
             ready(flock, space, grid, slots, workspace, context, tick_now, key)
         if phases & SWEEP:
