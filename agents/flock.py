@@ -15,10 +15,10 @@ from pydantic import BaseModel
 from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
-from agents.gated_motion import GatedMotion
+from agents.hunting_motion import HuntingMotion
 from agents.individuals import each
 from agents.inspection import Inspection, compile_inspection, inspect
-from agents.kinds import kind_table
+from agents.kinds import KindTable, kind_table
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
@@ -54,7 +54,7 @@ from worlds.notebook_html import arrows, table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from agents.flock_words import FlockWords
+    from agents.flock_words import FlockWords, ParameterWords
 
 OTHER_WORDS = {word: name for name, one in OPTIONS.items() for word in one.also}
 """What other tools call an option -> its name."""
@@ -70,7 +70,7 @@ OWN_WORDS = (
 """What `Flock` takes beside options and parameters."""
 
 
-class Flock(TickClock, GatedMotion):
+class Flock(TickClock, HuntingMotion):
     """A flock of one model in one world.
 
     Parameters
@@ -395,14 +395,15 @@ class Flock(TickClock, GatedMotion):
         """Run `ticks` ticks (>= 0) in compiled code, without collecting."""
         self.advance(whole_number("ticks", ticks, 0))
 
-    def observe(self, name: str, *subscription: Any) -> Any:
+    def observe(self, name: str, *subscription: Any, kind: str | None = None) -> Any:
         """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`.
 
-        With a signal and a handler it subscribes to a Mesa observable, such as `time`, as in Mesa.
+        `kind`: of the agents of a kind alone, as if there were no others. Raises InputError. With a
+        signal and a handler it subscribes to a Mesa observable, such as `time`, as in Mesa.
         """
         if subscription:
             return super().observe(name, *subscription)
-        return measure_observable(self, known_observable(name))
+        return measure_observable(self, known_observable(name), kind)
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
@@ -415,6 +416,38 @@ class Flock(TickClock, GatedMotion):
         compile_inspection(
             self.snapshot(copy=False), self.engine.surroundings, self.context, self.interpret
         )
+
+    def set_kind(self, kind: str, **values: Unpack[ParameterWords]) -> None:
+        """Change parameters of the agents of a kind alone. Raises InputError, and then changes
+        nothing."""
+        names = self.kinds.names
+        if kind not in names[1:]:
+            raise unknown("kind", kind, names[1:])
+        kinds = tuple(
+            one.with_parameters(values) if one.name == kind else one for one in self.kinds.kinds
+        )
+        self._change_kinds(replace(self.kinds, kinds=kinds))
+
+    def relate(self, kind: str, other: str, relation: Any) -> None:
+        """Change what the agents of a kind do about those of another: `chase(2.0, 10.0)`, `flee`,
+        `"own"`, `"ignore"`. Raises InputError, and then changes nothing."""
+        self._change_kinds(self.kinds.with_relation(kind, other, relation))
+
+    def _change_kinds(self, kinds: KindTable) -> None:
+        """Go on with other kinds of the same names. Raises InputError."""
+        before = self.kinds
+        self._demand_kinds(kinds)
+        self.kinds = kinds
+        try:
+            own = self._own_of(self.ids, self.parameters, {}, self.individuals, self.arrays.kind)
+        except InputError:
+            self.kinds = before
+            raise
+        for name in self.individuals:
+            column = self.model.individual.index(name)
+            rows = ~np.isin(self.arrays.kind, kinds.numbers_with(name))
+            own[rows, column] = self.arrays.own[rows, column]
+        self._take_own(self.parameters, self.individuals, own, self.loop)
 
     @property
     def members(self) -> list[Member]:
@@ -689,6 +722,9 @@ def known_observable(name: str) -> str:
     return name
 
 
-def measure_observable(flock: Flock, name: str) -> Any:
-    """The value of an observable now."""
-    return OBSERVABLES[name].measure(flock.snapshot(copy=False).measurable())
+def measure_observable(flock: Flock, name: str, kind: str | None = None) -> Any:
+    """The value of an observable now; of the agents of a kind alone, where one is named."""
+    snapshot = flock.snapshot(copy=False)
+    if kind is not None:
+        snapshot = snapshot.of(flock.rows_of(kind))
+    return OBSERVABLES[name].measure(snapshot.measurable())

@@ -16,7 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from agents.engine.heeding import CATCH, COLUMNS, FIRST, LINEAR, OWN, POWER, RADIUS, WEIGHT
+from agents.engine.heeding import (
+    CATCH,
+    COLUMNS,
+    FIRST,
+    LINEAR,
+    MOST_KINDS,
+    OWN,
+    POWER,
+    RADIUS,
+    WEIGHT,
+)
 from agents.individuals import as_distribution
 from worlds.input_error import InputError, shorten, unknown
 
@@ -26,7 +36,6 @@ ALIASES = {"prey": ORDINARY, "ordinary": ORDINARY}
 """What else they may be called."""
 ALL = "all"
 """All other kinds, where a relation names nobody."""
-MOST_KINDS = 8
 DEEDS = ("own", "ignore", "flee", "chase")
 CAUGHT_ARE = ("taken", "frozen", "moved", "counted")
 """What becomes of who is caught: it leaves the flock, stands still and nobody meets it, begins anew
@@ -168,7 +177,8 @@ class Kind:
         is_count = isinstance(agents, int | np.integer) and not isinstance(agents, bool)
         if not is_count or agents < 1:
             raise InputError(
-                f"agents = {shorten(agents)} of kind {name} is not allowed: a whole number >= 1"
+                f"kind {name}: agents = {shorten(agents)} is not allowed: a whole number >= 1 is "
+                "needed"
             )
         if colour and not re.fullmatch(r"#[0-9a-fA-F]{6}", str(colour)):
             raise InputError(f"colour = {shorten(colour)} of kind {name} is not #rrggbb")
@@ -182,6 +192,10 @@ class Kind:
         object.__setattr__(self, "start", None if start is None else start_box_of(name, start))
         object.__setattr__(self, "colour", str(colour))
         object.__setattr__(self, "to", relations)
+
+    def with_parameters(self, values: Mapping[str, Any]) -> Kind:
+        """The same with some parameters changed."""
+        return replace_kind(self, parameters={**self.parameters, **values})
 
     def to_value(self) -> dict[str, Any]:
         """As TOML and JSON have it."""
@@ -198,6 +212,12 @@ class Kind:
         if self.to:
             values["to"] = {name: one.to_value() for name, one in self.to.items()}
         return values
+
+
+def replace_kind(kind: Kind, **changes: Any) -> Kind:
+    """The kind with some things changed. Raises InputError."""
+    fields = ("name", "agents", "parameters", "start", "colour", "to")
+    return Kind(**{name: getattr(kind, name) for name in fields} | changes)
 
 
 def start_box_of(name: str, start: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -278,6 +298,26 @@ class KindTable:
                     row[FIRST] = relation.first
                     row[CATCH] = relation.catch
         return table
+
+    def with_relation(self, kind: str, other: str, relation: Any) -> KindTable:
+        """The same with another relation of a kind to another. Raises InputError."""
+        pair = []
+        for name in (kind, other):
+            known = ALIASES.get(name, name) if name not in self.names else name
+            if known not in self.names:
+                raise unknown("kind", name, self.names)
+            pair.append(known)
+        first, second = pair
+        changed = as_relation(relation)
+        kinds = tuple(
+            replace_kind(one, to={**one.to, second: changed}) if one.name == first else one
+            for one in self.kinds
+        )
+        return KindTable(kinds, {**self.relations, (first, second): changed})
+
+    def numbers_with(self, name: str) -> list[int]:
+        """The numbers of the kinds that have a parameter of their own."""
+        return [k for k, kind in enumerate(self.kinds, 1) if name in kind.parameters]
 
     @property
     def of_ordinary(self) -> dict[str, Relation]:

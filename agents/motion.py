@@ -94,6 +94,8 @@ class Motion(FlockState):
     """How many of the agents' numbers were drawn again, by parameter."""
     drawn = 0
     """Of how many agents."""
+    _came_from: tuple[np.ndarray, np.ndarray] | None = None
+    """Where agents were before the last tick, by identity; None where that is not known."""
 
     def _set_arrays(self, arrays: Arrays) -> None:
         """Take these arrays as the flock's state."""
@@ -415,10 +417,6 @@ class Motion(FlockState):
 
     def _demand_kinds(self, kinds: KindTable) -> None:
         """Raise InputError for kinds that this flock's model cannot have."""
-        if kinds.kinds and self.model.reason_against_kinds:
-            raise InputError(
-                f"kinds are not allowed in {self.model.name}: {self.model.reason_against_kinds}"
-            )
         if kinds.kinds and self.nearest:
             raise InputError(
                 "kinds are not allowed where the nearest are neighbours, whatever their distance: "
@@ -502,12 +500,15 @@ class Motion(FlockState):
     def _ticks_together(self, ticks: int) -> int:
         """How many of so many ticks, one at least, run before an event, or somebody may come or
         go."""
-        ticks = self._ticks_to_event(ticks)
+        ticks = self._ticks_to_event(1 if self.kinds.catchers else ticks)
         return self._ticks_to_gates(ticks) if self.world.has_gates else ticks
 
     def _ticks_to_gates(self, ticks: int) -> int:
         """How many of so many ticks, one at least, run before somebody may come or go."""
         return ticks
+
+    def _catch(self) -> None:
+        """Let those who chase catch who is near enough."""
 
     def _pass_gates(self) -> None:
         """Let agents come and go at the end of a tick."""
@@ -528,12 +529,16 @@ class Motion(FlockState):
     def _count_ticks(self, ticks: int) -> None:
         """Count ticks that were run, and let what is due have its turn."""
         self.tick += ticks
+        if self.kinds.catchers:
+            self._catch()
         if self.world.has_gates:
             self._pass_gates()
         self._fire_due()
 
     def _run(self, ticks: int, until: EngineStopCondition = NEVER, trace: np.ndarray = UNTRACED):
         """Run the compiled loop from this tick on; what its `run` answers."""
+        if self.kinds.catchers:
+            self._came_from = self.ids.copy(), self.position.copy()
         return self.engine.run(self._context_with_wind(ticks), self.tick, ticks, until, trace)
 
     def trace(self, ticks: int) -> np.ndarray:

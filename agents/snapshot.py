@@ -259,8 +259,9 @@ class FlockState:
 
     @property
     def active(self) -> np.ndarray:
-        """Which agents have not crashed, (N,) bool."""
-        return active(self.arrays)
+        """Which agents have not crashed and were not caught, (N,) bool."""
+        is_active = active(self.arrays)
+        return is_active & (self.arrays.kind >= 0.0) if len(self.arrays.kind) else is_active
 
     @property
     def crashes(self) -> Crashes:
@@ -365,7 +366,7 @@ class Snapshot(FlockState):
         """
         arrays = self.position, self.heading, self.speed
         is_sound = all(map(is_finite, arrays))
-        if is_sound and not self.can_crash:
+        if is_sound and not self.can_crash and not self.kinds.kinds:
             return self
         is_active = self.active
         if not is_sound:

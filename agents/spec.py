@@ -262,6 +262,11 @@ class Spec(Options):
         """The same run with some things changed. Raises InputError."""
         return Spec(**{**dict(self), **changes})
 
+    def relating(self, kind: str, other: str, relation: Any) -> Spec:
+        """The same run with another relation of a kind to another. Raises InputError."""
+        table = kind_table(self.kinds, self.to).with_relation(kind, other, relation)
+        return self.but(kinds=table.kinds, to=table.of_ordinary)
+
     def taking(self, **words: Any) -> Spec:
         """The same run with options that are not None, and parameters: all other words."""
         if not words:

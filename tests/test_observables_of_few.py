@@ -63,7 +63,7 @@ ONE = {
 MAY_BE_NAN = {
     "correlation-length", "crashes", "goal-distance", "following", "drag-saved", "energy-saved",
     "divergence",
-    "entered", "waiting-to-enter", "exited", "flow",
+    "entered", "waiting-to-enter", "exited", "flow", "catches", "kind-distance", "kind-mixing",
 }  # fmt: skip
 """What a flock of two may lack."""
 

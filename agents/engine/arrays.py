@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.engine.cells import CellGrid, Slots, Space
+from agents.engine.heeding import MOST_KINDS
 from worlds.queries.surroundings import Surroundings
 
 PLAN, COUNT, SHARE, PLACE, FILL, PREPARE, SWEEP = 1, 2, 4, 8, 16, 32, 64
@@ -68,7 +69,14 @@ def empty_slots(n: int, dim: int, signals: int, speeds: bool, kinds: bool = Fals
         np.empty((signals, n)),
         np.zeros(n if signals else 0, index),
         np.empty(n if kinds else 0),
+        no_heeds(kinds),
     )
+
+
+def no_heeds(kinds: bool) -> np.ndarray:
+    """`Slots.heeds` for as many kinds as there may be, or for none."""
+    size = MOST_KINDS + 1 if kinds else 0
+    return np.zeros((size, size))
 
 
 class Context(NamedTuple):

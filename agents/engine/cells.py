@@ -77,6 +77,8 @@ class Slots(NamedTuple):
     """Space for a list of slots, `index_type` (N,); empty for rules without signals."""
     kind: np.ndarray
     """Empty where there are no kinds."""
+    heeds: np.ndarray
+    """Whether agents of a kind are neighbours of those of another, 1.0 or 0.0, (K, K)."""
 
 
 @compiled

@@ -21,6 +21,8 @@ OWN, WEIGHT, RADIUS, POWER, FIRST, CATCH = range(6)
 distance, LINEAR for one that is 0 at the radius. FIRST: whether nothing else counts beside it.
 CATCH: the distance at which A catches B, 0 where it does not."""
 COLUMNS = 6
+MOST_KINDS = 8
+"""Beside the ordinary agents."""
 LINEAR = -1.0
 CAUGHT = -1.0
 RELATED = 6

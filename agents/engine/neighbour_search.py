@@ -153,6 +153,15 @@ def separation(space, grid, axis, d):
 
 
 @compiled
+def is_heeded(slots, j, slot):
+    """Whether the agent of a slot is a neighbour of that of slot j, as far as kinds go."""
+    if slots.kind.shape[0] == 0:
+        return True
+    kind, other = int(slots.kind[j]), int(slots.kind[slot])
+    return kind >= 0 and other >= 0 and slots.heeds[kind, other] > 0.0
+
+
+@compiled
 def visit(space, grid, slots, slot, r, k, tail):
     """Give the unvisited neighbours of a slot the next layer and queue them; returns the tail."""
     layer = slots.signal[k]
@@ -162,7 +171,7 @@ def visit(space, grid, slots, slot, r, k, tail):
         if cell < 0:
             continue
         for j in range(grid.start[cell], grid.start[cell + 1]):
-            if layer[j] < UNKNOWN:
+            if layer[j] < UNKNOWN or not is_heeded(slots, j, slot):
                 continue
             dx = separation(space, grid, 0, slots.x[j] + sx - slots.x[slot])
             dy = separation(space, grid, 1, slots.y[j] + sy - slots.y[slot])

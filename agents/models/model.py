@@ -218,12 +218,6 @@ class Model:
         """The parameters that may differ from agent to agent, in their order."""
         return tuple(name for name in self.parameters.model_fields if name not in self.shared)
 
-    @property
-    def reason_against_kinds(self) -> str:
-        """Why there cannot be kinds of its agents, in few words; empty where there can."""
-        is_whole = self.rule.prepare is not None
-        return "its rule looks at the whole flock at once" if is_whole else ""
-
     def parameters_read(self, function: Callable) -> frozenset[str]:
         """The parameters that a function of theirs reads, also through their properties."""
         python = python_of_any(function)

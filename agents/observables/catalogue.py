@@ -58,6 +58,16 @@ def has_sources(flock) -> bool:
     return mission is not None and bool(mission.sources)
 
 
+def has_kinds(flock) -> bool:
+    """Whether there are agents of several kinds in a flock."""
+    return bool(flock.kinds.kinds)
+
+
+def has_hunters(flock) -> bool:
+    """Whether agents of a kind catch others."""
+    return bool(flock.kinds.catchers)
+
+
 def has_exits(flock) -> bool:
     """Whether agents leave its world while it runs."""
     mission = flock.world.mission
@@ -348,6 +358,36 @@ GATES = [
         tells=has_exits,
     ),
 ]
+KINDS = [
+    Observable(
+        "catches",
+        "Agents that were caught by those who chase them",
+        "agents",
+        LENGTH,
+        of_flocks.catches,
+        quick=True,
+        events=lambda flock: flock.catches.tick,
+        applies=has_hunters,
+        tells=has_hunters,
+    ),
+    Observable(
+        "kind-distance",
+        "Distance to the nearest agent of another kind, mean of all agents",
+        "length",
+        LENGTH,
+        of_flocks.kind_distance,
+        applies=has_kinds,
+        tells=has_kinds,
+    ),
+    Observable(
+        "kind-mixing",
+        "Share of pairs within reach of each other that are of two kinds",
+        "1",
+        SHARE,
+        of_flocks.kind_mixing,
+        applies=has_kinds,
+    ),
+]
 FLIGHT = [
     Observable(
         "crashes",
@@ -408,7 +448,7 @@ TRACKS = [
 ]
 BUILT_IN = {
     observable.name: observable
-    for observable in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *GATES, *FLIGHT, *TRACKS]
+    for observable in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *GATES, *KINDS, *FLIGHT, *TRACKS]
 }
 
 
@@ -427,7 +467,7 @@ ORDERED = ("polarisation", "consistency", "mean-neighbours")
 """What tells most of flocks that come to agree on a heading."""
 MILLING = ("polarisation", "angular-momentum", "groups")
 """What tells most of flocks that may also go round and round, or fall apart."""
-ENDS = ("crashes", "exited", "goal-distance")
+ENDS = ("crashes", "exited", "catches", "goal-distance")
 """What a flock that has one of them is to have a chart of."""
 CHARTS = 3
 

@@ -156,6 +156,42 @@ def flow(flock) -> float:
     return float((len(tick) - 1) / ((tick[-1] - tick[0]) * flock.dt))
 
 
+def catches(flock) -> float:
+    """How many agents were caught so far; nan where nobody catches, or where it is not known."""
+    is_known = flock.kinds.catchers and flock.catches.is_known
+    return len(flock.catches) if is_known else math.nan
+
+
+def kind_distance(flock) -> float:
+    """Distance from an agent to the nearest of another kind, mean of all agents, length.
+
+    nan where all are of one kind.
+    """
+    kind = flock.arrays.kind
+    numbers = np.unique(kind)
+    if len(numbers) < 2:
+        return math.nan
+    size, images = flock.world.size, flock.world.images
+    total = 0.0
+    for number in numbers:
+        others = neighbours.tree(flock.position[kind != number], size, images)
+        mine = neighbours.tree(flock.position[kind == number], size, images)
+        total += float(others.query(mine.data)[0].sum())
+    return total / len(kind)
+
+
+def kind_mixing(flock) -> float:
+    """Share of the pairs of agents within the rule's reach that are of two kinds, in [0, 1].
+
+    nan where all are of one kind, or where there is no such pair.
+    """
+    kind = flock.arrays.kind
+    if len(np.unique(kind)) < 2:
+        return math.nan
+    pairs = neighbours.links(flock.position, flock.reach, flock.world.size, flock.world.images)
+    return float((kind[pairs[:, 0]] != kind[pairs[:, 1]]).mean()) if len(pairs) else math.nan
+
+
 def drag_saved(flock) -> float:
     """Induced drag that the agents save by each other's upwash, mean, in percent.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
@@ -25,6 +25,7 @@ from agents.recordings.part_stream import PartStream
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
 from agents.state.agent_rows import demand, no_crashes
+from agents.state.passages import Passages
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -35,10 +36,12 @@ AXES = "xyz"
 PAST = "past"
 """The column of a saved state that holds what messages on their way tell."""
 LEG = "leg"
+KIND = "kind"
+"""The column of the number of each agent's kind, where there are kinds."""
 OWN = "own_"
 """Before the name of a parameter: the column that holds each agent's own number of it."""
-ENTRIES, EXITS = "entries", "exits"
-"""Keys of the metadata that hold who has come and gone, where agents do."""
+ENTRIES, EXITS, CATCHES = "entries", "exits", "catches"
+"""Keys of the metadata that hold who has come, gone and been caught, where agents do and are."""
 MOST_PASSAGES = 300_000
 """Of one file: its metadata stay below what is read of one."""
 
@@ -58,11 +61,16 @@ def crash_columns(dim: int) -> list[str]:
 
 
 def columns_of(
-    model: Model, world: World, with_past: bool = False, individuals: Collection[str] = ()
+    model: Model,
+    world: World,
+    with_past: bool = False,
+    individuals: Collection[str] = (),
+    kinds: Sequence[str] = (),
 ) -> list[Column]:
     """The columns that a run of a model in a world is recorded in, in their order.
 
-    `individuals`: the parameters that differ from agent to agent.
+    `individuals`: the parameters that differ from agent to agent. `kinds`: the names of all kinds,
+    where there are several.
     """
     length, axes = model.in_units("length"), AXES[: world.dim]
     columns = [
@@ -82,6 +90,9 @@ def columns_of(
             Column(cause, "1", "what it touched: 1 another agent, 2 an obstacle or a wall, else 0"),
             *(Column(name, length, f"where it crashed, along {name[-1]}") for name in places),
         ]
+    if kinds:
+        numbers = ", ".join(f"{number} {name}" for number, name in enumerate(kinds))
+        columns.append(Column(KIND, "1", f"its kind: {numbers}; -1 caught, stands still"))
     for declaration in declared(model.parameters):
         if declaration.name in individuals:
             meaning = f"the agent's own: {declaration.description}"
@@ -268,6 +279,8 @@ def batch_of(flock: Snapshot, with_past: bool = False):
         columns |= {
             name: crash_record[:, k].copy() for k, name in enumerate(crash_columns(flock.world.dim))
         }
+    if flock.kinds.kinds:
+        columns[KIND] = flock.arrays.kind.astype(np.int8)
     columns |= {OWN + name: column.copy() for name, column in flock.own.items()}
     for name, values in zip(flock.model.columns, flock.arrays.memory, strict=True):
         columns[name] = values.copy()
@@ -285,7 +298,12 @@ def metadata(spec: CompleteSpec, snapshot: Snapshot, names: Collection[str]) -> 
         "spec": spec.to_toml(),
         "next_id": snapshot.next_id,
         **describe_columns(
-            snapshot.model, snapshot.world, snapshot.dt, PAST in names, snapshot.individuals
+            snapshot.model,
+            snapshot.world,
+            snapshot.dt,
+            PAST in names,
+            snapshot.differing,
+            snapshot.kinds.names if snapshot.kinds.kinds else (),
         ),
     }
 
@@ -296,6 +314,7 @@ def describe_columns(
     dt: float,
     with_past: bool,
     individuals: Collection[str] = (),
+    kinds: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Model, time, units and world of a recording, as JSON has them."""
     return {
@@ -306,7 +325,7 @@ def describe_columns(
         "length_unit": flock_model.in_units("length"),
         "columns": {
             name: {"unit": unit, "meaning": meaning}
-            for name, unit, meaning in columns_of(flock_model, world, with_past, individuals)
+            for name, unit, meaning in columns_of(flock_model, world, with_past, individuals, kinds)
         },
         "world_name": world.name,
         "world": world.to_layout(),
@@ -314,17 +333,20 @@ def describe_columns(
 
 
 def describe_passages(flock: Snapshot, tick: int | None = None) -> dict[str, Any]:
-    """Who has come and gone by a tick, by default by now, as JSON has it; empty without gates.
+    """Who has come, gone and been caught by a tick, by default by now, as JSON has it; empty
+    without gates and without hunters.
 
     Of more than can be read again it holds nothing, as if it were not known.
     """
-    if not flock.world.has_gates or len(flock.entries) + len(flock.exits) > MOST_PASSAGES:
+    if len(flock.entries) + len(flock.exits) + len(flock.catches) > MOST_PASSAGES:
         return {}
     last = flock.tick if tick is None else tick
-    return {
-        ENTRIES: flock.entries.until(last).to_table(),
-        EXITS: flock.exits.until(last).to_table(),
-    }
+    passages: dict[str, Passages] = {}
+    if flock.world.has_gates:
+        passages |= {ENTRIES: flock.entries, EXITS: flock.exits}
+    if flock.kinds.catchers:
+        passages[CATCHES] = flock.catches
+    return {name: some.until(last).to_table() for name, some in passages.items()}
 
 
 def refused(path: Path, error: OSError) -> InputError:
@@ -422,13 +444,16 @@ def own_names(names: Collection[str], flock_model: Model) -> tuple[str, ...]:
     return tuple(name for name in flock_model.individual if OWN + name in names)
 
 
-def own_of(table, flock_model: Model, parameters: Parameters, origin: str) -> np.ndarray:
+def own_of(
+    table, flock_model: Model, parameters: Parameters, origin: str, whole: bool = False
+) -> np.ndarray:
     """The agents' own parameters (N, Q), `Arrays.own`, from the columns of a table.
 
-    Raises InputError naming the row for a number outside of its range.
+    `whole`: also where none differs. Raises InputError naming the row for a number outside of its
+    range.
     """
     names = own_names(table.column_names, flock_model)
-    if not names:
+    if not names and not whole:
         return np.empty((table.num_rows, 0))
     numbers = [float(getattr(parameters, name)) for name in flock_model.individual]
     own = np.tile(numbers, (table.num_rows, 1))
@@ -441,6 +466,20 @@ def own_of(table, flock_model: Model, parameters: Parameters, origin: str) -> np
             demand((column >= low) & (column <= high), outside, origin)
             own[:, flock_model.individual.index(declaration.name)] = column
     return own
+
+
+def kind_of(table, kinds: int, origin: str) -> np.ndarray:
+    """The number of each agent's kind (N,), of so many beside the ordinary one, or (0,).
+
+    Raises InputError for a number that is none, and where the column is missing.
+    """
+    if not kinds:
+        return np.empty(0)
+    if KIND not in table.column_names:
+        raise InputError(f"{origin} has no column {KIND!r}")
+    kind: np.ndarray = table[KIND].to_numpy(zero_copy_only=False).astype(float)
+    demand(np.isin(kind, np.arange(-1, kinds + 1)), "a kind that there is not", origin)
+    return kind
 
 
 def past_of(rows, n: int, size: int) -> np.ndarray:

@@ -13,10 +13,12 @@ import numpy as np
 
 from agents.catalogue import model
 from agents.flock_world import find_world
+from agents.kinds import kind_table
 from agents.models.declare import checked
 from agents.option import whole_number
 from agents.recordings.parquet_table import ParquetTable, demand_format
 from agents.recordings.recorder import (
+    CATCHES,
     ENTRIES,
     EXITS,
     FORMAT,
@@ -29,8 +31,7 @@ from agents.recordings.recorder import (
 from agents.recordings.snapshot_reader import SnapshotReader, TickIndex, demand_kinds
 from agents.snapshot import Snapshot
 from agents.spec import Spec
-from agents.state.agent_rows import LARGEST
-from agents.state.passages import Passages
+from agents.state.passages import LARGEST, Passages
 from worlds.checks import demand_sound
 from worlds.file_writer import writing
 from worlds.input_error import InputError, demand_line, shorten, unknown
@@ -97,7 +98,7 @@ class Recording:
             }
             self.layout: dict[str, Any] = dict(meta["world"])
             self.world_name = demand_text_line(meta["world_name"])
-            self.passages = {name: meta.get(name) for name in (ENTRIES, EXITS)}
+            self.passages = {name: meta.get(name) for name in (ENTRIES, EXITS, CATCHES)}
         except KeyError as missing:
             raise self.bad_metadata(f"it has no {missing}") from None
         except RecursionError:
@@ -164,7 +165,13 @@ class Recording:
         """The flocks at its ticks, for those who look at many. Raises InputError."""
         gates = self.entries_and_exits(self.world)
         return SnapshotReader(
-            self.index, self.spec, model(self.spec.model), self.world, self.next_id, *gates
+            self.index,
+            self.spec,
+            model(self.spec.model),
+            self.world,
+            self.next_id,
+            *gates,
+            self.catches,
         )
 
     def entries_and_exits(self, world: World) -> tuple[Passages, Passages]:
@@ -180,6 +187,14 @@ class Recording:
         )
         return entries, exits
 
+    @property
+    def catches(self) -> Passages:
+        """Who was caught by the end of the file. Raises InputError."""
+        table, dim = self.passages[CATCHES], self.spec.dim
+        if table is None:
+            return Passages.none(dim, not kind_table(self.spec.kinds, self.spec.to).catchers)
+        return Passages.from_table(table, dim, LARGEST, self.file.origin)
+
     def state(self, tick: int | None = None) -> Snapshot:
         """The same as `at`, in the world that its spec gives a run that goes on. Raises
         InputError."""
@@ -191,7 +206,9 @@ class Recording:
                 f"{self.file.origin} does not hold who came and went in {world.name}, since its "
                 "run was killed or let too many through: no run can go on from it"
             )
-        frames = SnapshotReader(self.index, self.spec, flock_model, world, self.next_id, *gates)
+        frames = SnapshotReader(
+            self.index, self.spec, flock_model, world, self.next_id, *gates, self.catches
+        )
         return frames.at(int(self.ticks[-1]) if tick is None else tick)
 
     def table(self, columns: Iterable[str] | None = None, ticks: Any = None) -> Any:

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from agents.individuals import BY_HAND
+from agents.kinds import kind_table
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.recordings.parquet_table import BATCH, MOST_NUMBERS, ParquetTable
-from agents.recordings.recorder import AXES, PAST, arrays_of, own_names, own_of
+from agents.recordings.recorder import AXES, PAST, arrays_of, kind_of, own_names, own_of
 from agents.snapshot import NOBODY, Snapshot
 from agents.spec import CompleteSpec
 from agents.state.agent_rows import LARGEST, demand_usable
@@ -117,6 +118,7 @@ class SnapshotReader:
         next_id: int,
         entries: Passages = NOBODY,
         exits: Passages = NOBODY,
+        catches: Passages = NOBODY,
     ):
         self.file, self.index = index.file, index
         self.ticks, self.starts, self.ends = index.ticks, index.starts, index.ends
@@ -125,7 +127,8 @@ class SnapshotReader:
         self.model = model
         self.world = world
         self.next_id = next_id
-        self.entries, self.exits = entries, exits
+        self.entries, self.exits, self.catches = entries, exits, catches
+        self.kinds = kind_table(spec.kinds, spec.to)
         self.parameters = checked(model.parameters, spec.parameters, self.origin)
         self.groups: OrderedDict[int, Any] = OrderedDict()
 
@@ -142,9 +145,15 @@ class SnapshotReader:
         table = self.rows(int(self.starts[place]), int(self.ends[place]))
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
         demand_usable(arrays, self.world, self.origin)
-        own = own_of(table, self.model, self.parameters, self.origin)
+        own = own_of(table, self.model, self.parameters, self.origin, bool(self.kinds.kinds))
         names = own_names(table.column_names, self.model)
-        individuals = {name: self.spec.individuals.get(name, BY_HAND) for name in names}
+        of_kinds = {name for kind in self.kinds.kinds for name in kind.parameters}
+        individuals = {
+            name: self.spec.individuals.get(name, BY_HAND)
+            for name in names
+            if name in self.spec.individuals or name not in of_kinds
+        }
+        kind = kind_of(table, len(self.kinds.kinds), self.origin)
         entries = self.entries.until(tick)
         # The newest may have left again: no identity is given twice.
         newest = max(int(arrays.ids.max()), int(entries.id.max(initial=0)))
@@ -155,12 +164,14 @@ class SnapshotReader:
             self.parameters,
             self.spec.seed,
             int(tick),
-            arrays._replace(own=own),
+            arrays._replace(own=own, kind=kind),
             next_id,
             True,
             entries=entries,
             exits=self.exits.until(tick),
             individuals=individuals,
+            kinds=self.kinds,
+            catches=self.catches.until(tick),
         )
 
     def rows(self, first: int, end: int) -> Any:

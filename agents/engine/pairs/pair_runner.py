@@ -12,6 +12,7 @@ from agents.engine.arrays import (
     WorldContext,
     empty_grid,
     index_type,
+    no_heeds,
 )
 from agents.engine.cells import Slots
 from agents.engine.heeding import COLUMNS
@@ -33,7 +34,7 @@ def padded_slots(n: int, dim: int, speeds: bool, kinds: bool) -> Slots:
     speed = np.zeros(padded if speeds else 0)
     row, signal = np.zeros(padded, index)[:n], np.empty((0, n))
     kind = np.zeros(padded if kinds else 0)
-    return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue, kind)
+    return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue, kind, no_heeds(False))
 
 
 class PairEngine:

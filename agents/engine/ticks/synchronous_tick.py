@@ -190,6 +190,10 @@ def ready(flock, space, grid, slots, workspace, context, tick, key):
             show(me, own_of_row(context.parameters, flock.own, slots.row[slot]), workspace.out)
             for k in range(SIGNALS):
                 slots.signal[k, slot] = workspace.out[k]
+        if KINDS:
+            for kind in range(context.relations.shape[0]):
+                for other in range(context.relations.shape[0]):
+                    slots.heeds[kind, other] = context.relations[kind, other, OWN]
         prepare(flock, space, grid, slots, context.parameters, tick)
         for slot in range(slots.row.shape[0]):
             for k in range(SIGNALS):

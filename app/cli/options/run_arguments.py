@@ -16,6 +16,7 @@ import typer
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
+from agents.kinds import DEEDS, Kind, Relation
 from agents.models.declare import Parameters
 from agents.spec import KEYS, OPTIONS, Option, Spec, several
 from app.settings import assignment, numbers
@@ -36,6 +37,7 @@ def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(command)
     def called(**arguments: Any) -> Any:
         options = {name: arguments.pop(name) for name in OPTIONS}
+        options |= {name: arguments.pop(name) or None for name in OF_KINDS}
         if options["size"] is not None:
             sides = numbers("--size", options["size"])
             options["size"] = sides[0] if len(sides) == 1 else tuple(sides)
@@ -45,7 +47,8 @@ def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
     declared: list[inspect.Parameter] = []
     for argument in signature.parameters.values():
         is_all = argument.name == "options"
-        mine = map(parameter, OPTIONS, OPTIONS.values()) if is_all else [argument]
+        mine = [*map(parameter, OPTIONS, OPTIONS.values()), *map(kinds_parameter, OF_KINDS)]
+        mine = mine if is_all else [argument]
         declared += [own.replace(kind=inspect.Parameter.KEYWORD_ONLY) for own in mine]
     called.__signature__ = signature.replace(parameters=declared)  # type: ignore[attr-defined]
     return called
@@ -64,6 +67,97 @@ def parameter(name: str, option: Option) -> inspect.Parameter:
         default=None,
         annotation=Annotated[kind | None, option_type],
     )
+
+
+OF_KINDS = {
+    "kind": "A kind of agents beside the others, NAME=NUMBER, then its parameters and what it does "
+    "about others: shark=2,s=4,chase=flock,radius=5,catch=0.3. May be repeated",
+    "relation": "What the agents of a kind do about those of another, KIND:OTHER=DEED with its "
+    "numbers: flock:shark=flee,weight=2,radius=3. May be repeated",
+}
+"""Options that make kinds of agents."""
+
+
+def kinds_parameter(name: str) -> inspect.Parameter:
+    """An option that makes kinds, as Typer has it."""
+    return inspect.Parameter(
+        name,
+        inspect.Parameter.KEYWORD_ONLY,
+        default=None,
+        annotation=Annotated[list[str] | None, typer.Option(help=f"{OF_KINDS[name]}.")],
+    )
+
+
+BETWEEN = re.compile(r",(?![^(]*\))")
+"""A comma that is not within brackets."""
+
+
+def parts_of(text: str, option: str) -> tuple[str, str, dict[str, Any]]:
+    """What stands before and behind the first = or :, and the assignments after it. Or
+    InputError."""
+    head, *rest = BETWEEN.split(text)
+    name, sign, first = (
+        head.replace(":", "=", 1).partition("=") if option == "--kind" else (head.partition("="))
+    )
+    if not sign or not name.strip():
+        raise InputError(f"{text} is not allowed: NAME=... is needed ({option})")
+    return name.strip(), first.strip(), dict(map(assignment, rest))
+
+
+DETAILS = ("weight", "radius", "power", "first", "catch", "caught")
+
+
+def read_kind(text: str) -> Kind:
+    """The kind of `--kind`. Raises InputError."""
+    name, number, values = parts_of(text, "--kind")
+    if number.startswith("agents="):
+        number = number.removeprefix("agents=")
+    try:
+        count = int(number)
+    except ValueError:
+        raise InputError(
+            f"{text} is not allowed: NAME=NUMBER of agents comes first (--kind)"
+        ) from None
+    deeds = {deed: str(values.pop(deed)) for deed in DEEDS if deed in values}
+    details = {key: values.pop(key) for key in DETAILS if key in values}
+    colour, start = values.pop("colour", ""), values.pop("start", None)
+    if details and not deeds:
+        raise InputError(
+            f"{next(iter(details))} of kind {name} belongs to none of {', '.join(DEEDS)} (--kind)"
+        )
+    to: dict[str, Relation] = {}
+    for deed, others in deeds.items():
+        mine = details if deed in ("flee", "chase") else {}
+        if deed == "flee":
+            mine = {key: value for key, value in mine.items() if key not in ("catch", "caught")}
+        to |= {other: Relation(deed, **mine) for other in others.split("+")}
+    if start is not None:
+        corners = [list(map(float, corner.split("x"))) for corner in str(start).split("..")]
+        start = corners
+    return Kind(name, count, parameters=values, colour=str(colour), start=start, to=to)
+
+
+def read_relation(text: str) -> tuple[str, str, Relation]:
+    """The relation of `--relation`: of which kind to which. Raises InputError."""
+    names, deed, values = parts_of(text, "--relation")
+    kind, sign, other = names.partition(":")
+    if not sign or not kind or not other:
+        raise InputError(f"{text} is not allowed: KIND:OTHER=DEED is needed (--relation)")
+    for key in values:
+        if key not in DETAILS:
+            raise unknown("key", key, DETAILS, "--relation")
+    return kind, other, Relation(deed, **values)
+
+
+def with_kinds(spec: Spec, kinds: list[str], relations: list[str]) -> Spec:
+    """The run with the kinds and relations of the command line over its own. Or InputError."""
+    more = [read_kind(text) for text in kinds]
+    names = {kind.name for kind in more}
+    spec = spec.but(kinds=(*(one for one in spec.kinds if one.name not in names), *more))
+    for text in relations:
+        kind, other, relation = read_relation(text)
+        spec = spec.relating(kind, other, relation)
+    return spec
 
 
 OPEN = {"seed": "drawn; in the laboratory 1", "size": "the world's own", "dim": "the world's own"}
@@ -96,7 +190,9 @@ def requested_run(
     """The run, and where its values are from. Raises InputError naming what is wrong and where."""
     values, origins = ({}, Origins()) if file is None else read(file)
     changed, set_options = read_settings(settings)
-    for key, value in {"model": model, **options}.items():
+    kinds, relations = (options.get(name) or [] for name in OF_KINDS)
+    of_run = {key: value for key, value in options.items() if key not in OF_KINDS}
+    for key, value in {"model": model, **of_run}.items():
         if value is not None:
             values[key], origins[key] = value, option_name(key)
     origins.update(set_options)
@@ -109,7 +205,7 @@ def requested_run(
         if layout is not None and options.get("world") is None:
             values["world"] = read_world(layout, values, origins["layout"])
         parameters = {**values.pop("parameters", {}), **changed}
-        spec = Spec(**values, parameters=parameters)
+        spec = with_kinds(Spec(**values, parameters=parameters), kinds, relations)
         demand_parameters(changed, [find_model(spec.model).parameters])
     return spec, origins
 
