@@ -11,8 +11,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_validator
 
 from agents.spec import LARGEST_SEED, Options
-from app.strict_table import Line, StrictTable, Value
+from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
+from app.studies.moments import ByAxis
 from worlds.input_error import InputError, unknown
 
 # Comparisons that a file may make: between axes, and of an observable with a number; no code.
@@ -87,7 +88,8 @@ def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
             parts = [left, *others]
         case ast.Constant(value=bool() | int() | float() | str()):
             return
-        case ast.Name(id=name):
+        case ast.Name() | ast.Attribute(value=ast.Name()):
+            name = ast.unparse(node)
             if name not in axes:
                 raise unknown("axis", name, axes, repr(text))
             return
@@ -116,8 +118,8 @@ def value(node: ast.AST, values: Mapping[str, Any]) -> Any:
             return all(COMPARED[type(op)](pair, other) for pair, op, other in pairs)
         case ast.Constant(value=one):
             return one
-        case ast.Name(id=name):
-            return values[name]
+        case ast.Name() | ast.Attribute():  # of `s.spread`
+            return values[ast.unparse(node)]
     raise AssertionError(node)
 
 
@@ -183,7 +185,7 @@ class RunOptions(StrictTable, Options):
     )
     """Seconds of the clock after which a run is killed; None: as long as it takes. Files of earlier
     versions say `seconds`."""
-    parameters: dict[str, Value] = Field(default_factory=dict)
+    parameters: dict[str, ParameterValue] = Field(default_factory=dict)
 
 
 class Stop(StrictTable):
@@ -234,14 +236,14 @@ class GridDesign(Design):
     """Every value of an axis with every value of the others."""
 
     kind: Literal["grid"] = "grid"
-    axes: dict[str, Axis] = Field(min_length=1)
+    axes: ByAxis[Axis] = Field(min_length=1)
 
 
 class ListDesign(Design):
     """Cells one by one: rows of the file, or of a CSV beside it."""
 
     kind: Literal["list", "csv"]
-    rows: list[dict[str, Value]] = Field(default_factory=list)
+    rows: list[ByAxis[Value]] = Field(default_factory=list)
     file: str = ""
     """A CSV whose first line names the axes."""
 
@@ -255,7 +257,7 @@ class ListDesign(Design):
 class SampleDesign(Design):
     """What samples have: bounds of axes, and a seed of their own."""
 
-    axes: dict[str, Axis] = Field(min_length=1)
+    axes: ByAxis[Axis] = Field(min_length=1)
     seed: int = Field(default=1, ge=0, le=2**32 - 1)
 
     @field_validator("axes")
