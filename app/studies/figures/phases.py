@@ -13,7 +13,7 @@ from app.studies.charts.boxes import draw_key
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Case
 from app.studies.judge.statistics import MeasureSummary
-from app.studies.judge.verdict import Verdict
+from app.studies.judge.verdict import Verdict, name
 from app.studies.measure import PERCENT, SHARE, Measure, Number, Settings
 from worlds.input_error import InputError
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import tomlkit
 from pydantic import Field, field_validator, model_validator
 
 from agents.observables.catalogue import OBSERVABLES
@@ -39,6 +38,7 @@ from app.studies.sweeps.sweep_file import (
     Stop,
     SweepFile,
     comparison,
+    file_text,
 )
 from app.studies.sweeps.sweep_job import K, measure_of
 from worlds.input_error import InputError, unknown
@@ -293,7 +293,7 @@ def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Stud
     ]
     study = Study(
         file, places, folder, variants, goals, limits,
-        default_of(variants[0], file), places.text or tomlkit.dumps(values),
+        default_of(variants[0], file), places.text or file_text(values),
     )  # fmt: skip
     check_corners(study)
     return study

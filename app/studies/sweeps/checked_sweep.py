@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import tomlkit
 from pydantic import ValidationError
 
 from agents.catalogue import from_file
@@ -28,6 +27,7 @@ from app.studies.sweeps.sweep_file import (
     RunOptions,
     SweepFile,
     comparison,
+    file_text,
 )
 from app.studies.sweeps.sweep_job import (
     HEADS,
@@ -136,7 +136,7 @@ def sweep_of(
                 break
     if faults:
         raise error_of_lines(list(faults.values()))
-    text = places.text or tomlkit.dumps(values)
+    text = places.text or file_text(values)
     sweep = Sweep(file, places, folder, base, making, cells, text)
     check_precision(sweep)
     for record in file.record:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
+import tomlkit
 from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_validator
 
 from agents.spec import LARGEST_SEED, Options
@@ -162,6 +163,49 @@ def comparison(text: str) -> ObservableBound:
         f"{text[:100]!r} is not allowed: one comparison of an observable with a number is needed, "
         "such as 'polarisation >= 0.9'"
     )
+
+
+# The text of a file that says what a command line or a script asks for.
+
+BY_NAME = ("axes", "at", "parameters")
+"""Tables whose keys are names of axes and parameters."""
+
+
+def file_text(values: Mapping[str, Any]) -> str:
+    """Values as a TOML file, names in their order: the order of axes is that of the cells.
+
+    >>> print(file_text({"axes": {"s.spread": {"from": 0, "to": 1}, "r": [1, 2]}}), end="")
+    [axes]
+    "s.spread" = {from = 0, to = 1}
+    r = [1, 2]
+    """
+    return tomlkit.dumps(with_inline_tables(values))
+
+
+def with_inline_tables(value: Any) -> Any:
+    """Values in which what stands under a name is one line, as a table it would come after all
+    others."""
+    if isinstance(value, list):
+        return [with_inline_tables(item) for item in value]
+    if not isinstance(value, Mapping):
+        return value
+    tables: dict[str, Any] = {}
+    for key, item in value.items():
+        if key in BY_NAME and isinstance(item, Mapping):
+            table = tomlkit.table()
+            for name, entry in item.items():
+                table.add(name, inline(entry) if isinstance(entry, Mapping) else entry)
+            tables[key] = table
+        else:
+            tables[key] = with_inline_tables(item)
+    return tables
+
+
+def inline(values: Mapping[str, Any]) -> Any:
+    """Values as a table in one line."""
+    table = tomlkit.inline_table()
+    table.update(values)
+    return table
 
 
 MOST_CELLS = 1_000_000
