@@ -164,7 +164,7 @@ def moment_label(
     `name`: what the parameter is called, by default its name.
 
     >>> moment_label("couzin", "s.spread"), moment_label("couzin", "s")
-    ('spread of s / length/time', '')
+    ('spread of s / length/s', '')
     """
     moment, found = moment_axis(axis), catalogue.MODELS.get(model)
     if moment is None or found is None or moment.parameter not in found.individual:

@@ -3,6 +3,7 @@
 import json
 import random
 import signal
+from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
@@ -156,6 +157,8 @@ def test_a_spread_is_varied_without_a_file_and_gone_on_with(tmp_path, monkeypatc
     assert "[parameters.eta]\nnormal = [0.4, 0.1]" in spec
     drawn = call("sweep", "plot", "vem-v0.spread-eta.mean", "--kind", "map", "--out", "map.svg")
     assert drawn.exit_code == 0, drawn.stderr
+    for label in ("spread of $v_0$ / length/tick", r"mean of $\eta$ / rad"):
+        assert label in Path("map.svg").read_text()
 
 
 @pytest.mark.parametrize(
