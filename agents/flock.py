@@ -173,7 +173,7 @@ class Flock(TickClock, GatedMotion):
         self._reporters = reporters, dict(agent_reporters or {})
         self.seed = spec.seed
         self._begin_model()
-        self._demand_individual(spec.individuals)
+        self.model.demand_individual(spec.individuals)
         self._begin(spec.seed, start)
         if self.ranks != 1:
             self._demand_strips()

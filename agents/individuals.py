@@ -37,14 +37,25 @@ class Distribution:
     numbers: tuple[float, ...]
 
     def __str__(self) -> str:
-        """As it is written on a command line.
+        """As it is written on a command line; of numbers given agent by agent how many there are.
 
         >>> str(normal(3, 0.5))
         'normal(3, 0.5)'
         """
         if self.kind == "each":
             return f"each of {len(self.numbers)} agents" if self.numbers else "by hand"
-        return f"{self.kind}({', '.join(f'{number:g}' for number in self.numbers)})"
+        return self.to_text()
+
+    def to_text(self) -> str:
+        """As `as_distribution` reads it back to the bit.
+
+        >>> each([0.5, 1 / 3]).to_text()
+        'each(0.5, 0.3333333333333333)'
+        """
+        short = [f"{number:g}" for number in self.numbers]
+        numbers = zip(short, self.numbers, strict=True)
+        exact = [text if float(text) == number else repr(number) for text, number in numbers]
+        return f"{self.kind}({', '.join(exact)})"
 
     def to_value(self) -> dict[str, list[float]]:
         """As TOML and JSON have it.
@@ -74,6 +85,25 @@ class Distribution:
         if self.kind == "uniform":
             return 0.5 * (self.numbers[1] - self.numbers[0])
         return float(np.std(self.numbers))
+
+    def with_moments(self, mean: float | None = None, spread: float | None = None) -> Distribution:
+        """The same kind of distribution with another mean, another spread, or both.
+
+        `spread`, >= 0, is as the property has it: of `uniform` half its width. Raises InputError
+        for values that are listed one by one, `one_of` and `each`, and for what is not allowed.
+
+        >>> str(uniform(1, 3).with_moments(spread=0.5)), str(normal(3, 1).with_moments(mean=4))
+        ('uniform(1.5, 2.5)', 'normal(4, 1)')
+        """
+        if self.kind not in ("normal", "lognormal", "uniform"):
+            raise InputError(
+                f"{self} has no mean and no spread to set: normal, lognormal and uniform have"
+            )
+        mean = self.centre if mean is None else mean
+        spread = self.spread if spread is None else spread
+        if self.kind == "uniform":
+            return distribution(self.kind, (mean - spread, mean + spread))
+        return distribution(self.kind, (mean, spread))
 
     def draw(self, seed: int, name: str, ids: np.ndarray, attempt: int = 0) -> np.ndarray:
         """A number for each identity (N,); those of `each` are given in this order."""

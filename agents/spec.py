@@ -230,10 +230,6 @@ class Spec(Options):
         """All agents, information agents among them."""
         return (self.agents or 0) + (self.informed or 0)
 
-    def setting(self, name: str) -> Any:
-        """The value of an option or a parameter by name."""
-        return getattr(self, name) if name in OPTIONS else self.parameters[name]
-
     def but(self, **changes: Any) -> Spec:
         """The same run with some things changed. Raises InputError."""
         return Spec(**{**dict(self), **changes})

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from agents.flock import Flock
+from agents.individuals import normal
 from app.studies.charts.run_group import CellRuns
 from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_locked
@@ -40,6 +41,7 @@ from app.viewer.lab.sweeps.sweep_request import (
     Axis,
     SweepRequest,
     describe_limits,
+    run_table,
 )
 from app.viewer.run.run_preset import preset_spec
 from tests.viewer.http_client import ask
@@ -376,3 +378,10 @@ def test_a_map_has_a_colour_for_each_cell_with_a_value():
     sample = {k: CellRuns({"eta": 0.1 * k, "v0": 0.3 * k}, k, [0.5], [1]) for k in range(10)}
     axes = {name: [one.axes[name] for one in sample.values()] for name in ("eta", "v0")}
     assert "A sample" in drawn(axes, sample)
+
+
+def test_agents_that_differ_do_so_in_the_sweep_of_their_flock():
+    spec = Flock("vem", agents=5, rng=1, eta=normal(0.4, 0.1), v0=normal(0.03, 0.01)).spec
+    parameters = run_table(spec, 10, ["eta"])["parameters"]
+    assert parameters["v0"] == {"normal": [0.03, 0.01]}
+    assert "eta" not in parameters

@@ -216,7 +216,9 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
     if isinstance(world, World):
         run.pop("size", None)
         run.pop("dim", None)
-    run["parameters"] = {k: v for k, v in spec.parameters.items() if k not in axes}
+    individuals = {name: d.to_value() for name, d in spec.individuals.items()}
+    own = spec.parameters | individuals
+    run["parameters"] = {name: value for name, value in own.items() if name not in axes}
     return run
 
 
