@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property, partial
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, Unpack
@@ -39,7 +39,7 @@ from agents.strips.strip_engine import (
     reason_for_one_process,
 )
 from worlds.compilation import DISABLED
-from worlds.input_error import InputError, unknown
+from worlds.input_error import InputError
 from worlds.memory import demand_memory
 from worlds.number_text import counted
 from worlds.queries.survey import survey_world
@@ -321,7 +321,7 @@ class Motion(FlockState):
         shared, individuals = split_individuals(values)
         parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **shared})
         remaining = {name: d for name, d in self.individuals.items() if name not in values}
-        self._demand_individual(individuals)
+        self.model.demand_individual(individuals)
         new = remaining | individuals
         own = self._own_of(self.ids, parameters, individuals, new)
         for name in remaining:  # as they are: some may have been set by hand
@@ -333,7 +333,7 @@ class Motion(FlockState):
     def set_own(self, row: int, name: str, value: Any) -> None:
         """Give the agent of a row its own number of a parameter. Raises InputError."""
         checked(self.model.parameters, {**self.parameters.model_dump(), name: value})
-        self._demand_individual({name: BY_HAND})
+        self.model.demand_individual({name: BY_HAND})
         individuals = {**self.individuals, name: BY_HAND}
         own = self.arrays.own
         if not self.individuals:
@@ -341,17 +341,6 @@ class Motion(FlockState):
         own = own.copy()
         own[row, self.model.individual.index(name)] = float(value)
         self._take_own(self.parameters, individuals, own, self.loop)
-
-    def _demand_individual(self, names: Iterable[str]) -> None:
-        """Raise InputError for a parameter that is none, or that agents cannot differ in."""
-        for name in names:
-            if name not in self.model.parameters.model_fields:
-                raise unknown("parameter", name, self.model.parameters.model_fields)
-            if name in self.model.shared:
-                raise InputError(
-                    f"{name} cannot differ from agent to agent in {self.model.name}: "
-                    f"{self.model.shared[name]}"
-                )
 
     def _own_of(
         self,

@@ -136,7 +136,7 @@ def test_an_answer_to_an_older_value_takes_a_slider_nowhere(laboratory, browser,
         answers.append(Future())
         return answers[-1]
 
-    monkeypatch.setattr(simulation, "set", asked)
+    monkeypatch.setattr(simulation, "move", asked)
     monkeypatch.setattr(followed_value, "DRAG", 0.0)
     for value in (1.0, 2.0, 3.0):
         turn(browser, eta, value)

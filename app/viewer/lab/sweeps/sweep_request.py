@@ -216,7 +216,13 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
     if isinstance(world, World):
         run.pop("size", None)
         run.pop("dim", None)
-    run["parameters"] = {k: v for k, v in spec.parameters.items() if k not in axes}
+    if own := [name for name in spec.individuals if name in axes]:
+        raise InputError(
+            f"agents differ in {', '.join(own)}, which is an axis: give all agents the same first"
+        )
+    run["parameters"] = {k: v for k, v in spec.parameters.items() if k not in axes} | {
+        name: one.to_value() for name, one in spec.individuals.items()
+    }
     return run
 
 
