@@ -210,15 +210,14 @@ class Model:
         """The parameters that may differ from agent to agent, in their order."""
         return tuple(name for name in self.parameters.model_fields if name not in self.shared)
 
-    def demand_individual(self, names: Iterable[str], origin: str = "") -> None:
+    def demand_individual(self, names: Iterable[str]) -> None:
         """Raise InputError for a parameter that is none, or that agents cannot differ in."""
         for name in names:
             if name not in self.parameters.model_fields:
-                raise unknown("parameter", name, self.parameters.model_fields, origin)
+                raise unknown("parameter", name, self.parameters.model_fields)
             if name in self.shared:
                 raise InputError(
-                    f"{name} cannot differ from agent to agent in {self.name}: "
-                    f"{self.shared[name]}{f' ({origin})' if origin else ''}"
+                    f"{name} cannot differ from agent to agent in {self.name}: {self.shared[name]}"
                 )
 
     def parameters_read(self, function: Callable) -> frozenset[str]:

@@ -183,7 +183,10 @@ class Question(StrictTable):
         number: float = round(value) if self.is_whole else value
         if self.parameter == AGENTS:
             return spec.with_values(agents=number)
-        return spec.with_parameters(spec.all_parameters | {self.parameter: number})
+        others = {name: d for name, d in spec.individuals.items() if name != self.parameter}
+        return spec.with_values(
+            parameters={**spec.parameters, self.parameter: number}, individuals=others
+        )
 
     def demand_cheap(self, spec: CompleteSpec) -> None:
         """Refuse a run that would take too long for one of a class. Raises InputError."""

@@ -247,7 +247,7 @@ def read_compared(values: dict[str, Any], origin: str) -> Spec | None:
     spec = Spec.from_values(values, origin)
     model = find_model(spec.model)
     checked(model.parameters, spec.parameters, "beside")
-    model.demand_individual(spec.individuals, "beside")
+    model.demand_individual(spec.individuals)
     return spec
 
 
