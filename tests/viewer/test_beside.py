@@ -278,7 +278,9 @@ def test_a_table_leaves_open_what_one_of_them_lacks():
 
 
 def test_agents_that_differ_have_the_same_numbers_in_both_flocks():
-    both = pair("vem", "ivem-a", parameters={"eta": one_of(0.5, 1.0)}, own={"k_iu": normal(0.5, 0.1)})
+    both = pair(
+        "vem", "ivem-a", parameters={"eta": one_of(0.5, 1.0)}, own={"k_iu": normal(0.5, 0.1)}
+    )
     first, second = both.flock, both.second.flock
     assert np.array_equal(first.own["eta"], second.own["eta"])
     assert set(first.own) == {"eta"}
@@ -300,3 +302,10 @@ def test_what_a_second_model_cannot_differ_in_is_refused_by_name():
     assert both.flock.own == {}
     with pytest.raises(InputError, match="r cannot differ from agent to agent in hwvem"):
         pair("vem", "hwvem", parameters={"r": uniform(0.5, 0.8)})
+
+
+def test_the_command_line_gives_distributions_to_the_laboratory():
+    own, _ = parameters("couzin", ["s=normal:3:0.5", "r_r=2"])
+    assert own == {"s": normal(3.0, 0.5), "r_r": 2.0}
+    with pytest.raises(InputError, match="tau cannot differ"):
+        parameters("couzin", ["tau=normal(0.1, .01)"])

@@ -25,6 +25,7 @@ from worlds.number_text import counted
 
 TITLE = "Differences between agents"
 ALIKE = "All agents are alike. A spread above 0 gives each its own value."
+REPLACED = "A new spread makes the chosen one a normal distribution."
 
 
 @dataclass(frozen=True)
@@ -125,6 +126,9 @@ class DifferencesPanel:
             if (words := one.description(state))
         }
         content = block(table(rows) if rows else f'<div class="fs-quiet">{ALIKE}</div>')
+        chosen = self.chosen.value(state)
+        if isinstance(chosen, Distribution) and chosen.kind != "normal":
+            content = block(f'{table(rows)}<div class="fs-quiet">{REPLACED}</div>')
         if content != self.said.content:
             self.said.content = content
         label = f"{TITLE}: {len(rows)}" if rows else TITLE
