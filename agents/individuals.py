@@ -77,6 +77,14 @@ class Distribution:
             return 0.5 * (self.numbers[1] - self.numbers[0])
         return float(np.std(self.numbers))
 
+    def draw(self, seed: int, name: str, ids: np.ndarray, attempt: int = 0) -> np.ndarray:
+        """A number for each identity (N,); those of `each` are given in this order."""
+        if self.kind == "each":
+            return np.array(self.numbers)
+        tick = DRAWN + (attempt << 32) + zlib.crc32(name.encode())
+        chance = uniform_numbers(seed, tick, ids, 1)[:, 0]
+        return DISTRIBUTIONS[self.kind](chance, *self.numbers)
+
     def about(self, centre: float) -> Distribution:
         """The same spread about another centre: a slider that moves all agents does so.
 
@@ -89,14 +97,6 @@ class Distribution:
             return distribution(self.kind, (centre, self.numbers[1]))
         shift = centre - self.centre
         return Distribution(self.kind, tuple(number + shift for number in self.numbers))
-
-    def draw(self, seed: int, name: str, ids: np.ndarray, attempt: int = 0) -> np.ndarray:
-        """A number for each identity (N,); those of `each` are given in this order."""
-        if self.kind == "each":
-            return np.array(self.numbers)
-        tick = DRAWN + (attempt << 32) + zlib.crc32(name.encode())
-        chance = uniform_numbers(seed, tick, ids, 1)[:, 0]
-        return DISTRIBUTIONS[self.kind](chance, *self.numbers)
 
 
 BY_HAND = Distribution("each", ())

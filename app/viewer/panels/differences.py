@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import threading
 from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
@@ -95,6 +96,8 @@ class DifferencesPanel:
             )
             self.place = gui.add_folder(None)
         self.which.on_update(self.choose)
+        self.lock = threading.Lock()
+        """Held while the slider is made or followed: browsers choose another on viser's thread."""
         self.slider: Any = None
         self.followed: FollowedValue | None = None
         self.declaring: list[Any] = []
@@ -108,12 +111,17 @@ class DifferencesPanel:
     async def choose(self, event: viser.GuiEvent) -> None:
         """Show the spread of another parameter."""
         if event.client is not None:
-            self.show_slider()
+            with self.lock:
+                self.show_slider()
 
     def refresh(self, state: SimulationState) -> None:
         """Follow the flock: what can differ, what does, and the spread of what is chosen."""
-        if not state.values:
-            return
+        if state.values:
+            with self.lock:
+                self.follow(state)
+
+    def follow(self, state: SimulationState) -> None:
+        """The same, while nobody else changes what is there."""
         if self.parameters.declaring != self.declaring:
             self.declaring = self.parameters.declaring
             self.offer(state)
