@@ -15,7 +15,6 @@ from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.gated_motion import GatedMotion
-from agents.individuals import each
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
@@ -544,16 +543,11 @@ class Flock(TickClock, GatedMotion):
     @property
     def spec(self) -> CompleteSpec:
         """This run as a value, with its world and its parameters as they are now."""
-        return self.options.with_values(
+        return self.options.with_parameters(
+            self.all_parameters,
             world=self.world.name,
             size=self.world.size,
             dim=self.world.dim,
-            parameters=self.parameters.model_dump(),
-            individuals={
-                name: each(self.own[name]) if one.is_by_hand else one
-                for name, one in self.individuals.items()
-                if len(self.ids) or not one.is_by_hand
-            },
             layout=None if is_built_in(self.world, self.seed) else self.world.to_layout(),
             versions=versions(),
         )

@@ -24,6 +24,8 @@ DRAWN = 5 * BEYOND
 `agents.engine.noise.BEYOND`."""
 ATTEMPTS = 1000
 """How often a number is drawn until it is in the parameter's range."""
+MOST_DRAWS = 50
+"""How often numbers are drawn again on average at most, so that a fiftieth of them is inside."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,19 @@ class Distribution:
         tick = DRAWN + (attempt << 32) + zlib.crc32(name.encode())
         chance = uniform_numbers(seed, tick, ids, 1)[:, 0]
         return DISTRIBUTIONS[self.kind](chance, *self.numbers)
+
+    def about(self, centre: float) -> Distribution:
+        """The same spread about another centre: a slider that moves all agents does so.
+
+        >>> str(normal(3, 0.5).about(2)), str(uniform(1, 2).about(3))
+        ('normal(2, 0.5)', 'uniform(2.5, 3.5)')
+
+        Raises InputError for a `lognormal` about 0 or less.
+        """
+        if self.kind in ("normal", "lognormal"):
+            return distribution(self.kind, (centre, self.numbers[1]))
+        shift = centre - self.centre
+        return Distribution(self.kind, tuple(number + shift for number in self.numbers))
 
 
 BY_HAND = Distribution("each", ())
@@ -256,6 +271,12 @@ def as_distribution(value: Any, origin: str = "") -> Distribution | None:
     return distribution(kind, numbers, origin)
 
 
+def moved(before: Any, value: Any) -> Any:
+    """A value that a slider gives a parameter: about it where agents differ, so that the spread
+    stays. Raises InputError."""
+    return before.about(float(value)) if isinstance(before, Distribution) else value
+
+
 def split_individuals(
     values: Mapping[str, Any], origin: str = ""
 ) -> tuple[dict[str, Any], dict[str, Distribution]]:
@@ -296,9 +317,13 @@ def draw_values(
         row = int(outside[0])
         raise InputError(f"{name} = {values[row]:g} in row {row} is outside [{low:g}, {high:g}]")
     redrawn = len(outside)
+    most = ATTEMPTS + MOST_DRAWS * len(ids)  # else a large flock is drawn for minutes in vain
     for attempt in range(1, ATTEMPTS + 1):
         if not len(outside):
             return values, redrawn
+        most -= len(outside)
+        if most < 0:
+            break
         values[outside] = drawn_from.draw(seed, name, ids[outside], attempt)
         outside = outside[(values[outside] < low) | (values[outside] > high)]
     raise InputError(

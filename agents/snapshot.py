@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from agents.engine.arrays import Arrays
-from agents.individuals import Distribution
+from agents.individuals import Distribution, each
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
@@ -84,6 +84,17 @@ class FlockState:
             column.flags.writeable = False
             columns[name] = column
         return columns
+
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """The parameters by name: a number of those that all agents share, of those that differ
+        what they were drawn from; a run that is given these has the same."""
+        own = self.own
+        return self.parameters.model_dump() | {
+            name: each(own[name]) if one.is_by_hand else one
+            for name, one in self.individuals.items()
+            if len(self.ids) or not one.is_by_hand
+        }
 
     def parameters_of(self, row: int) -> Parameters:
         """The parameters of the agent of a row."""
@@ -184,6 +195,17 @@ class FlockState:
         return self._largest(self.model.rule.reach)
 
     @property
+    def reaches(self) -> np.ndarray:
+        """How far each agent notices others, (N,), length."""
+        name = self.model.rule.reach
+        if name in self.individuals:
+            return self.own[name].copy()
+        computed = getattr(type(self.parameters), name, None)
+        if not isinstance(computed, property) or computed.fget is None:
+            return np.full(len(self.ids), self.reach)
+        return self._evaluate(computed.fget)
+
+    @property
     def nearest(self) -> int:
         """How many nearest agents are an agent's neighbours; 0 where all within reach are."""
         return self.model.nearest(self.parameters)
@@ -277,7 +299,7 @@ class Snapshot(FlockState):
         if self.nearest:
             return nearest_links(self.position, self.nearest, self.world.size, self.world.images)
         pairs = links(self.position, self.reach, self.world.size, self.world.images)
-        own = self.own.get(self.model.rule.reach)
+        own = self.own.get(self.model.rule.reach) if self.individuals else None
         if own is None:
             return pairs
         i, j = pairs.T

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeGuard, Unpack, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeGuard, Unpack, get_args
 
 import numpy as np
 import tomlkit
@@ -244,6 +244,19 @@ class Spec(Options):
         return self.but(
             **given_options, parameters={**self.parameters, **words}, individuals=individuals
         )
+
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """The parameters by name, those that differ from agent to agent as distributions."""
+        return {**self.parameters, **self.individuals}
+
+    def with_parameters(self, parameters: Mapping[str, Any], **changes: Any) -> Self:
+        """The same run with these parameters and no others, numbers or distributions.
+
+        `changes`: of what else. Raises InputError.
+        """
+        values = {**dict(self), **changes}
+        return type(self)(**values | {"parameters": dict(parameters), "individuals": {}})
 
     def to_toml(self) -> str:
         """The spec as TOML; floats are written so that they come back to the bit."""

@@ -41,7 +41,6 @@ from app.viewer.lab.sweeps.sweep_request import (
     Axis,
     SweepRequest,
     describe_limits,
-    run_table,
 )
 from app.viewer.run.run_preset import preset_spec
 from tests.viewer.http_client import ask
@@ -380,8 +379,9 @@ def test_a_map_has_a_colour_for_each_cell_with_a_value():
     assert "A sample" in drawn(axes, sample)
 
 
-def test_agents_that_differ_do_so_in_the_sweep_of_their_flock():
-    spec = Flock("vem", agents=5, rng=1, eta=normal(0.4, 0.1), v0=normal(0.03, 0.01)).spec
-    parameters = run_table(spec, 10, ["eta"])["parameters"]
-    assert parameters["v0"] == {"normal": [0.03, 0.01]}
-    assert "eta" not in parameters
+def test_a_sweep_around_agents_that_differ_says_so_in_its_file_and_refuses_that_axis():
+    spec = preset_spec("couzin", agents=9, parameters={"s": normal(3.0, 0.5)})
+    asked = SweepRequest(spec, [Axis("r_r", 0.5, 1.5, 2)], "polarisation", 2, 10)
+    assert asked.values()["run"]["parameters"]["s"] == {"normal": [3.0, 0.5]}
+    with pytest.raises(InputError, match=r"s = normal\(3, 0.5\) differs from agent to agent"):
+        replace(asked, axes=[Axis("s", 2.0, 4.0, 2)]).values()

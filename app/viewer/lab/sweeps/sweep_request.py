@@ -165,6 +165,11 @@ class SweepRequest:
         for axis in self.axes:
             if axis.name in grid:
                 raise InputError(f"{axis.name} cannot be both axes of a map")
+            if axis.name in self.spec.individuals:
+                raise InputError(
+                    f"{axis.name} = {self.spec.individuals[axis.name]} differs from agent to agent "
+                    "and is an axis: set its spread to 0 first"
+                )
             grid[axis.name] = axis.values(self.spec.model)
         one = OBSERVABLES.get(self.observable)
         if one is None or one.is_table:
