@@ -16,7 +16,6 @@ from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.hunting_motion import HuntingMotion
-from agents.individuals import each
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.kinds import KindTable, kind_table
 from agents.mesa_import import mesa
@@ -177,7 +176,7 @@ class Flock(TickClock, HuntingMotion):
         self._reporters = reporters, dict(agent_reporters or {})
         self.seed = spec.seed
         self._begin_model()
-        self._demand_individual(spec.individuals)
+        self.model.demand_individual(spec.individuals)
         self._demand_kinds(kind_table(spec.kinds, spec.to))
         self._begin(spec.seed, start)
         if self.ranks != 1:
@@ -625,18 +624,13 @@ class Flock(TickClock, HuntingMotion):
     @property
     def spec(self) -> CompleteSpec:
         """This run as a value, with its world and its parameters as they are now."""
-        return self.options.with_values(
+        return self.options.with_parameters(
+            self.all_parameters,
             world=self.world.name,
             size=self.world.size,
             dim=self.world.dim,
-            parameters=self.parameters.model_dump(),
-            individuals={
-                name: each(self.own[name]) if one.is_by_hand else one
-                for name, one in self.individuals.items()
-                if len(self.ids) or not one.is_by_hand
-            },
             kinds=self.kinds.kinds,
-            to=self.kinds.of_ordinary,
+            to=self.kinds.to,
             layout=None if is_built_in(self.world, self.seed) else self.world.to_layout(),
             versions=versions(),
         )

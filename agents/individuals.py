@@ -24,6 +24,8 @@ DRAWN = 5 * BEYOND
 `agents.engine.noise.BEYOND`."""
 ATTEMPTS = 1000
 """How often a number is drawn until it is in the parameter's range."""
+MOST_DRAWS = 50
+"""How often numbers are drawn again on average at most, so that a fiftieth of them is inside."""
 
 
 @dataclass(frozen=True)
@@ -37,14 +39,25 @@ class Distribution:
     numbers: tuple[float, ...]
 
     def __str__(self) -> str:
-        """As it is written on a command line.
+        """As it is written on a command line; of numbers given agent by agent how many there are.
 
         >>> str(normal(3, 0.5))
         'normal(3, 0.5)'
         """
         if self.kind == "each":
             return f"each of {len(self.numbers)} agents" if self.numbers else "by hand"
-        return f"{self.kind}({', '.join(f'{number:g}' for number in self.numbers)})"
+        return self.to_text()
+
+    def to_text(self) -> str:
+        """As `as_distribution` reads it back to the bit.
+
+        >>> each([0.5, 1 / 3]).to_text()
+        'each(0.5, 0.3333333333333333)'
+        """
+        short = [f"{number:g}" for number in self.numbers]
+        numbers = zip(short, self.numbers, strict=True)
+        exact = [text if float(text) == number else repr(number) for text, number in numbers]
+        return f"{self.kind}({', '.join(exact)})"
 
     def to_value(self) -> dict[str, list[float]]:
         """As TOML and JSON have it.
@@ -75,6 +88,25 @@ class Distribution:
             return 0.5 * (self.numbers[1] - self.numbers[0])
         return float(np.std(self.numbers))
 
+    def with_moments(self, mean: float | None = None, spread: float | None = None) -> Distribution:
+        """The same kind of distribution with another mean, another spread, or both.
+
+        `spread`, >= 0, is as the property has it: of `uniform` half its width. Raises InputError
+        for values that are listed one by one, `one_of` and `each`, and for what is not allowed.
+
+        >>> str(uniform(1, 3).with_moments(spread=0.5)), str(normal(3, 1).with_moments(mean=4))
+        ('uniform(1.5, 2.5)', 'normal(4, 1)')
+        """
+        if self.kind not in ("normal", "lognormal", "uniform"):
+            raise InputError(
+                f"{self} has no mean and no spread to set: normal, lognormal and uniform have"
+            )
+        mean = self.centre if mean is None else mean
+        spread = self.spread if spread is None else spread
+        if self.kind == "uniform":
+            return distribution(self.kind, (mean - spread, mean + spread))
+        return distribution(self.kind, (mean, spread))
+
     def draw(self, seed: int, name: str, ids: np.ndarray, attempt: int = 0) -> np.ndarray:
         """A number for each identity (N,); those of `each` are given in this order."""
         if self.kind == "each":
@@ -82,6 +114,19 @@ class Distribution:
         tick = DRAWN + (attempt << 32) + zlib.crc32(name.encode())
         chance = uniform_numbers(seed, tick, ids, 1)[:, 0]
         return DISTRIBUTIONS[self.kind](chance, *self.numbers)
+
+    def about(self, centre: float) -> Distribution:
+        """The same spread about another centre: a slider that moves all agents does so.
+
+        >>> str(normal(3, 0.5).about(2)), str(uniform(1, 2).about(3))
+        ('normal(2, 0.5)', 'uniform(2.5, 3.5)')
+
+        Raises InputError for a `lognormal` about 0 or less.
+        """
+        if self.kind in ("normal", "lognormal"):
+            return distribution(self.kind, (centre, self.numbers[1]))
+        shift = centre - self.centre
+        return Distribution(self.kind, tuple(number + shift for number in self.numbers))
 
 
 BY_HAND = Distribution("each", ())
@@ -226,6 +271,12 @@ def as_distribution(value: Any, origin: str = "") -> Distribution | None:
     return distribution(kind, numbers, origin)
 
 
+def moved(before: Any, value: Any) -> Any:
+    """A value that a slider gives a parameter: about it where agents differ, so that the spread
+    stays. Raises InputError."""
+    return before.about(float(value)) if isinstance(before, Distribution) else value
+
+
 def split_individuals(
     values: Mapping[str, Any], origin: str = ""
 ) -> tuple[dict[str, Any], dict[str, Distribution]]:
@@ -266,9 +317,13 @@ def draw_values(
         row = int(outside[0])
         raise InputError(f"{name} = {values[row]:g} in row {row} is outside [{low:g}, {high:g}]")
     redrawn = len(outside)
+    most = ATTEMPTS + MOST_DRAWS * len(ids)  # else a large flock is drawn for minutes in vain
     for attempt in range(1, ATTEMPTS + 1):
         if not len(outside):
             return values, redrawn
+        most -= len(outside)
+        if most < 0:
+            break
         values[outside] = drawn_from.draw(seed, name, ids[outside], attempt)
         outside = outside[(values[outside] < low) | (values[outside] > high)]
     raise InputError(

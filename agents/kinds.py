@@ -27,7 +27,7 @@ from agents.engine.heeding import (
     RADIUS,
     WEIGHT,
 )
-from agents.individuals import as_distribution
+from agents.individuals import Distribution, as_distribution
 from worlds.input_error import InputError, shorten, unknown
 
 ORDINARY = "flock"
@@ -188,7 +188,13 @@ class Kind:
             raise InputError(f"kind {name}: {error}") from None
         object.__setattr__(self, "name", name)
         object.__setattr__(self, "agents", int(agents))
-        object.__setattr__(self, "parameters", {**(parameters or {}), **more})
+        own = {**(parameters or {}), **more}
+        for key, value in own.items():
+            try:
+                own[key] = as_distribution(value) or value
+            except InputError as error:
+                raise InputError(f"kind {name}: {key}: {error}") from None
+        object.__setattr__(self, "parameters", own)
         object.__setattr__(self, "start", None if start is None else start_box_of(name, start))
         object.__setattr__(self, "colour", str(colour))
         object.__setattr__(self, "to", relations)
@@ -206,7 +212,7 @@ class Kind:
             values["start"] = [list(corner) for corner in self.start]
         if self.parameters:
             values["parameters"] = {
-                name: one.to_value() if (one := as_distribution(value)) is not None else value
+                name: value.to_value() if isinstance(value, Distribution) else value
                 for name, value in self.parameters.items()
             }
         if self.to:
@@ -271,6 +277,8 @@ class KindTable:
     kinds: tuple[Kind, ...]
     relations: dict[tuple[str, str], Relation]
     """Of whom to whom: those that are not there are `own` within a kind, else `ignore`."""
+    to: dict[str, Relation] = field(default_factory=dict)
+    """What the ordinary agents were told to do about other kinds."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -313,16 +321,12 @@ class KindTable:
             replace_kind(one, to={**one.to, second: changed}) if one.name == first else one
             for one in self.kinds
         )
-        return KindTable(kinds, {**self.relations, (first, second): changed})
+        to = {**self.to, second: changed} if first == ORDINARY else self.to
+        return kind_table(kinds, to)
 
     def numbers_with(self, name: str) -> list[int]:
         """The numbers of the kinds that have a parameter of their own."""
         return [k for k, kind in enumerate(self.kinds, 1) if name in kind.parameters]
-
-    @property
-    def of_ordinary(self) -> dict[str, Relation]:
-        """What the ordinary agents do about other kinds."""
-        return {other: one for (kind, other), one in self.relations.items() if kind == ORDINARY}
 
     @property
     def radius(self) -> float:
@@ -365,7 +369,7 @@ def kind_table(kinds: tuple[Kind, ...], to: Mapping[str, Relation]) -> KindTable
         if relation.deed == "chase" and name != other:
             back = replace(relation, deed="flee", catch=0.0, caught="taken", first=False)
             relations.setdefault((other, name), back)
-    return KindTable(kinds, relations)
+    return KindTable(kinds, relations, dict(to))
 
 
 NO_KINDS = KindTable((), {})

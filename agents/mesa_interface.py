@@ -156,6 +156,11 @@ class Member(mesa.Agent):
         flock.speed[row] = value
 
     @property
+    def kind(self) -> str:
+        """The name of its kind; `caught` once it was caught and stands still."""
+        return str(self.model.kind_names[self.row])
+
+    @property
     def informed(self) -> bool:
         """Whether it is an information agent, which never turns by itself."""
         return bool(self.model.informed[self.row])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property, partial
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, Unpack
@@ -28,7 +28,6 @@ from agents.engine.runner import (
 from agents.individuals import (
     BY_HAND,
     Distribution,
-    as_distribution,
     draw_values,
     normal,
     split_individuals,
@@ -48,7 +47,7 @@ from agents.strips.strip_engine import (
     reason_for_one_process,
 )
 from worlds.compilation import DISABLED
-from worlds.input_error import InputError, unknown
+from worlds.input_error import InputError
 from worlds.memory import demand_memory
 from worlds.number_text import counted
 from worlds.queries.survey import survey_world
@@ -59,6 +58,10 @@ if TYPE_CHECKING:
 
 NOISE = "eta"
 """The parameter that the engine takes for the noise intensity; a rule without it has no noise."""
+NOT_NEAREST = (
+    "kinds are not allowed where the nearest are neighbours, whatever their distance: set "
+    "neighbours=metric"
+)
 NO_RELATIONS = np.empty((0, 0, COLUMNS))
 STRETCH = 100_000
 """Ticks for which the wind is known in advance."""
@@ -271,6 +274,11 @@ class Motion(FlockState):
             for name, number in self.redrawn.items()
             if name in self.individuals and number
         ]
+        warnings += [
+            f"nobody of kind {name} is left"
+            for name in self.kinds.names
+            if self.kinds.catchers and not len(self.rows_of(name))
+        ]
         if self.passing:
             warnings.insert(
                 0,
@@ -342,8 +350,10 @@ class Motion(FlockState):
         old_loop = self.loop
         shared, individuals = split_individuals(values)
         parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **shared})
+        if self.kinds.kinds and self.model.nearest(parameters):
+            raise InputError(NOT_NEAREST)
         remaining = {name: d for name, d in self.individuals.items() if name not in values}
-        self._demand_individual(individuals)
+        self.model.demand_individual(individuals)
         new = remaining | individuals
         own = self._own_of(self.ids, parameters, individuals, new, self.arrays.kind)
         for name in remaining:  # as they are: some may have been set by hand
@@ -355,7 +365,7 @@ class Motion(FlockState):
     def set_own(self, row: int, name: str, value: Any) -> None:
         """Give the agent of a row its own number of a parameter. Raises InputError."""
         checked(self.model.parameters, {**self.parameters.model_dump(), name: value})
-        self._demand_individual({name: BY_HAND})
+        self.model.demand_individual({name: BY_HAND})
         individuals = {**self.individuals, name: BY_HAND}
         own = self.arrays.own
         if not own.shape[1]:
@@ -363,17 +373,6 @@ class Motion(FlockState):
         own = own.copy()
         own[row, self.model.individual.index(name)] = float(value)
         self._take_own(self.parameters, individuals, own, self.loop)
-
-    def _demand_individual(self, names: Iterable[str]) -> None:
-        """Raise InputError for a parameter that is none, or that agents cannot differ in."""
-        for name in names:
-            if name not in self.model.parameters.model_fields:
-                raise unknown("parameter", name, self.model.parameters.model_fields)
-            if name in self.model.shared:
-                raise InputError(
-                    f"{name} cannot differ from agent to agent in {self.model.name}: "
-                    f"{self.model.shared[name]}"
-                )
 
     def _own_of(
         self,
@@ -402,7 +401,7 @@ class Motion(FlockState):
         for number, one in enumerate(self.kinds.kinds, 1):
             rows = np.flatnonzero(kind == number)
             for name, value in one.parameters.items():
-                distribution = as_distribution(value) or normal(value, 0.0)
+                distribution = value if isinstance(value, Distribution) else normal(value, 0.0)
                 column, _ = draw_values(
                     distribution, self.seed, name, ids[rows], self._bounds(name)
                 )
@@ -418,14 +417,11 @@ class Motion(FlockState):
     def _demand_kinds(self, kinds: KindTable) -> None:
         """Raise InputError for kinds that this flock's model cannot have."""
         if kinds.kinds and self.nearest:
-            raise InputError(
-                "kinds are not allowed where the nearest are neighbours, whatever their distance: "
-                "set neighbours=metric"
-            )
+            raise InputError(NOT_NEAREST)
         for kind in kinds.kinds:
             try:
                 numbers = split_individuals(kind.parameters)[0]
-                self._demand_individual(numbers)
+                self.model.demand_individual(numbers)
                 checked(self.model.parameters, {**self.parameters.model_dump(), **numbers})
             except InputError as error:
                 raise InputError(f"kind {kind.name}: {error}") from None

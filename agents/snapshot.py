@@ -13,7 +13,7 @@ import numpy as np
 
 from agents.engine.arrays import Arrays
 from agents.engine.heeding import OWN
-from agents.individuals import Distribution
+from agents.individuals import Distribution, each
 from agents.kinds import ALIASES, NO_KINDS, KindTable
 from agents.models.declare import Parameters
 from agents.models.model import Model
@@ -127,6 +127,17 @@ class FlockState:
         is_heeded: np.ndarray = own[kind[rows], kind[others]] & is_met
         return is_heeded
 
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """The parameters by name: a number of those that all agents share, of those that differ
+        what they were drawn from; a run that is given these has the same."""
+        own = self.own
+        return self.parameters.model_dump() | {
+            name: each(own[name]) if one.is_by_hand else one
+            for name, one in self.individuals.items()
+            if len(self.ids) or not one.is_by_hand
+        }
+
     def parameters_of(self, row: int) -> Parameters:
         """The parameters of the agent of a row."""
         if not self.differing:
@@ -222,6 +233,17 @@ class FlockState:
     def reach(self) -> float:
         """The largest distance at which agents notice each other, length."""
         return max(self._largest(self.model.rule.reach), self.kinds.radius)
+
+    @property
+    def reaches(self) -> np.ndarray:
+        """How far each agent notices others, (N,), length."""
+        name = self.model.rule.reach
+        if name in self.differing:
+            return self.own[name].copy()
+        computed = getattr(type(self.parameters), name, None)
+        if not isinstance(computed, property) or computed.fget is None:
+            return np.full(len(self.ids), self._largest(name))
+        return self._evaluate(computed.fget)
 
     @property
     def nearest(self) -> int:

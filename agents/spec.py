@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeGuard, Unpack, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeGuard, Unpack, get_args
 
 import numpy as np
 import tomlkit
@@ -254,10 +254,6 @@ class Spec(Options):
         of_kinds = sum(kind.agents for kind in self.kinds)
         return (self.agents or 0) + (self.informed or 0) + of_kinds
 
-    def setting(self, name: str) -> Any:
-        """The value of an option or a parameter by name."""
-        return getattr(self, name) if name in OPTIONS else self.parameters[name]
-
     def but(self, **changes: Any) -> Spec:
         """The same run with some things changed. Raises InputError."""
         return Spec(**{**dict(self), **changes})
@@ -265,7 +261,7 @@ class Spec(Options):
     def relating(self, kind: str, other: str, relation: Any) -> Spec:
         """The same run with another relation of a kind to another. Raises InputError."""
         table = kind_table(self.kinds, self.to).with_relation(kind, other, relation)
-        return self.but(kinds=table.kinds, to=table.of_ordinary)
+        return self.but(kinds=table.kinds, to=table.to)
 
     def taking(self, **words: Any) -> Spec:
         """The same run with options that are not None, and parameters: all other words."""
@@ -277,6 +273,19 @@ class Spec(Options):
         return self.but(
             **given_options, parameters={**self.parameters, **words}, individuals=individuals
         )
+
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """The parameters by name, those that differ from agent to agent as distributions."""
+        return {**self.parameters, **self.individuals}
+
+    def with_parameters(self, parameters: Mapping[str, Any], **changes: Any) -> Self:
+        """The same run with these parameters and no others, numbers or distributions.
+
+        `changes`: of what else. Raises InputError.
+        """
+        values = {**dict(self), **changes}
+        return type(self)(**values | {"parameters": dict(parameters), "individuals": {}})
 
     def to_toml(self) -> str:
         """The spec as TOML; floats are written so that they come back to the bit."""

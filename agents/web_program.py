@@ -287,6 +287,11 @@ def demand_possible(flock: Flock) -> None:
             f"agents come and go in {flock.world.name}: a page that runs by itself has the same "
             "agents throughout"
         )
+    if flock.individuals:
+        raise InputError(
+            f"agents differ in {', '.join(flock.individuals)}: in a page that runs by itself all "
+            "agents have the same parameters"
+        )
     if not len(flock.ids):
         raise InputError("a page needs at least one agent")
     if flock.ranks != 1:

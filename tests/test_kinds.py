@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.catalogue import MODELS
-from agents.engine.noise import tick_key, uniform_numbers
 from agents.flock import Flock
 from agents.individuals import normal
 from agents.kinds import Kind, chase, flee
@@ -112,19 +111,15 @@ def test_equal_kinds_are_one_in_turn_and_late_too(words):
 
 def test_who_is_ignored_is_not_met():
     """Two kinds that ignore each other: the ordinary agents fly as if they were alone."""
-    both = Flock(Spec("vem", agents=30, seed=1, size=SIZE, kinds=[Kind("b", 20)]))
-    start = {"position": both.position, "heading": both.heading}
+    parameters = {"eta": 0.0}
+    kinds = [Kind("b", 20)]
+    both = Flock(Spec("vem", agents=30, seed=1, size=SIZE, parameters=parameters, kinds=kinds))
     mine = both.rows_of("flock")
-    both.run(40)
-    alone = Flock("vem", rng=1, size=SIZE, start={k: v[mine] for k, v in start.items()}, eta=0.0)
-    both = Flock(both.spec.but(start="random", parameters={"eta": 0.0}))
-    alone = Flock(
-        "vem", rng=1, size=SIZE, eta=0.0,
-        start={"position": both.position[mine], "heading": both.heading[mine]},
-    )  # fmt: skip
+    start = {"position": both.position[mine], "heading": both.heading[mine]}
+    alone = Flock("vem", rng=1, size=SIZE, eta=0.0, start=start)
     both.run(40)
     alone.run(40)
-    assert np.array_equal(both.position[mine], alone.position)
+    assert np.allclose(both.position[mine], alone.position, atol=1e-9)
 
 
 def test_what_comes_first_is_all_that_counts():
@@ -282,11 +277,13 @@ def test_a_spec_keeps_kinds():
         Spec(
             "vem", agents=20, seed=1,
             kinds=[Kind("shark", 2, v0=normal(0.05, 0.01), colour="#b03a2e", start=[[0, 0], [1, 1]],
-                        to={"all": {"chase": 2.0, "radius": 3.0, "catch": 0.1, "caught": "frozen"}})],
+                        to={"all": {"chase": 2.0, "radius": 3.0, "catch": 0.1, "caught": "frozen"}}
+                   )],
         )
     )  # fmt: skip
     again = Spec.from_toml(flock.spec.to_toml())
-    assert again == flock.spec.but(start=again.start)
+    assert again.kinds == flock.spec.kinds
+    assert again.to_toml() == flock.spec.to_toml()
     assert np.array_equal(Flock(again).own["v0"], flock.own["v0"])
     assert (flock.position[flock.rows_of("shark")] <= 1.0).all()
     assert flock.kinds.of("flock", "shark").deed == "flee"
@@ -320,13 +317,8 @@ def test_each_follows_from_its_seed_and_identity_alone():
     spec = Spec("vem", agents=20, seed=5, size=SIZE, kinds=[Kind("shark", 1)])
     few, many = Flock(spec), Flock(spec.but(kinds=[Kind("shark", 3)]))
     by_id = dict(zip(many.ids.tolist(), many.position.tolist(), strict=True))
-    assert all(
-        by_id[k] == place
-        for k, place in zip(few.ids.tolist(), few.position.tolist(), strict=True)
-        if k <= 20
-    )
-    assert uniform_numbers(5, 0, np.arange(2), 1).shape == (2, 1)
-    assert tick_key(5, 0) != tick_key(6, 0)
+    ordinary = few.rows_of("flock")
+    assert [by_id[k] for k in few.ids[ordinary].tolist()] == few.position[ordinary].tolist()
 
 
 # What is refused.
@@ -353,7 +345,10 @@ def test_each_follows_from_its_seed_and_identity_alone():
         ({"kinds": [Kind(f"k{n}", 1) for n in range(9)]}, "9 kinds are not allowed: 8 at most"),
         ({"kinds": [Kind("a", 1, start=[[0, 0, 0], [1, 1, 1]])]}, "start of kind a has 3"),
         ({"kinds": "shark"}, "a list of kinds is needed"),
-        ({"kinds": [Kind("a", 1)], "parameters": {"neighbours": "nearest"}}, "set neighbours=metric"),
+        (
+            {"kinds": [Kind("a", 1)], "parameters": {"neighbours": "nearest"}},
+            "set neighbours=metric",
+        ),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_refused_in_one_line(words, message):

@@ -418,7 +418,7 @@ def test_reporters_and_values_are_given_as_in_mesa():
     one = flock(model_reporters={"twice": lambda model: 2 * model.tick})
     one.step()
     assert one.datacollector.get_model_vars_dataframe()["twice"].tolist() == [2]
-    with pytest.raises(InputError, match="a parameter: use"):
+    with pytest.raises(InputError, match="a parameter: set v0"):
         one.agents.set("speed", 0.0)
 
 

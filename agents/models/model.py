@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dis
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cache, cached_property
@@ -30,6 +30,7 @@ from agents.models.declare import (
 from agents.models.slider_range import fits_default
 from agents.models.tries import LessonStep
 from worlds.compilation import compiled
+from worlds.input_error import InputError, unknown
 
 NEIGHBOURS, NUMBER = "neighbours", "k"
 """The parameters that say who the neighbours are, and how many of the nearest, of rules that leave
@@ -217,6 +218,16 @@ class Model:
     def individual(self) -> tuple[str, ...]:
         """The parameters that may differ from agent to agent, in their order."""
         return tuple(name for name in self.parameters.model_fields if name not in self.shared)
+
+    def demand_individual(self, names: Iterable[str]) -> None:
+        """Raise InputError for a parameter that is none, or that agents cannot differ in."""
+        for name in names:
+            if name not in self.parameters.model_fields:
+                raise unknown("parameter", name, self.parameters.model_fields)
+            if name in self.shared:
+                raise InputError(
+                    f"{name} cannot differ from agent to agent in {self.name}: {self.shared[name]}"
+                )
 
     def parameters_read(self, function: Callable) -> frozenset[str]:
         """The parameters that a function of theirs reads, also through their properties."""

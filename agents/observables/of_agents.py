@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,14 +48,28 @@ ON_ITS_WAY = " sent "
 """In the names of a car's commands that have not arrived yet."""
 
 
-def measurable(columns: tuple[str, ...]) -> tuple[str, ...]:
-    """What each agent of a flock has a number of: `OF_AGENTS`, and its model's `columns`.
+OWN = "own "
+"""Before the name of a parameter that differs from agent to agent: the number that each has."""
+
+
+def own_name(parameter: str) -> str:
+    """What the agents' own numbers of a parameter are called, beside what else is measured of them.
+
+    >>> own_name("s")
+    'own s'
+    """
+    return OWN + parameter
+
+
+def measurable(columns: tuple[str, ...], individuals: Iterable[str] = ()) -> tuple[str, ...]:
+    """What each agent of a flock has a number of: its own of the parameters `individuals`,
+    `OF_AGENTS`, and its model's `columns`.
 
     >>> measurable(("speed", "steering sent 1"))[-1]
     'speed'
     """
     own = (name for name in columns if ON_ITS_WAY not in name)
-    return tuple(dict.fromkeys([*OF_AGENTS, *own]))
+    return tuple(dict.fromkeys([*map(own_name, individuals), *OF_AGENTS, *own]))
 
 
 def measured(flock: Any, name: str) -> np.ndarray | None:
@@ -63,4 +77,7 @@ def measured(flock: Any, name: str) -> np.ndarray | None:
     if name in OF_AGENTS:
         values = np.asarray(OF_AGENTS[name].measure(flock), dtype=float)
         return values if values.shape == (len(flock.ids),) else None
+    if name.startswith(OWN):
+        column = flock.own.get(name.removeprefix(OWN))
+        return None if column is None else column.copy()
     return flock.signal(name) if name in flock.model.columns else None

@@ -104,7 +104,7 @@ def moved_scene(
     """
     scene = SavedScene.from_toml(student.scene, f"the flock of {student.name}")
     spec = scene.spec if step is None else step_spec(scene.spec, step)
-    parameters = dict(spec.parameters)
+    parameters = spec.all_parameters
     for name, value in values.items():
         if name not in page.sliders:
             raise unknown("slider", name, page.sliders)
@@ -112,4 +112,4 @@ def moved_scene(
         if not low <= value <= high:
             raise InputError(f"{name} = {value:g} is not in [{low:g}, {high:g}]")
         parameters[name] = round(value) if is_whole(spec.model, name) else value
-    return replace(scene, spec=spec.with_values(parameters=parameters)).to_toml()
+    return replace(scene, spec=spec.with_parameters(parameters)).to_toml()

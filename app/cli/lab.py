@@ -12,6 +12,7 @@ import typer
 from agents.catalogue import FILES, MODELS
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world
+from agents.individuals import split_individuals
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.options.run_arguments import (
@@ -255,8 +256,10 @@ def parameters_with_noise(model: str, values: dict[str, Any]) -> dict[str, Any]:
     declared = MODELS[model].parameters
     noise = declared.model_fields.get("eta")
     moved = {"eta": NOISE} if noise is not None and noise.default == 0.0 else {}
-    parameters = checked(declared, moved | values, "--set").model_dump()
-    return {name: parameters[name] for name in moved | values}
+    shared, individuals = split_individuals(moved | values, "--set")
+    parameters = checked(declared, shared, "--set").model_dump() | individuals
+    MODELS[model].demand_individual(individuals)
+    return {name: parameters[name] for name in shared}
 
 
 def serve(laboratory: Any, stopping: StopSignals) -> None:

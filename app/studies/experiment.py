@@ -23,6 +23,7 @@ from app.studies.experiment_file import (
     with_goal,
 )
 from app.studies.measure import Measure, Settings
+from app.studies.moments import value_of
 from worlds.input_error import unknown
 from worlds.layout import world as build_world
 from worlds.world import World
@@ -64,13 +65,13 @@ class Case:
     @property
     def value(self) -> Value | None:
         """The value of the swept parameter or option."""
-        return self.spec.setting(self.sweep.parameter) if self.sweep else None
+        return value_of(self.spec, self.sweep.parameter) if self.sweep else None
 
     @property
     def at(self) -> Value | None:
         """The value of the second parameter of a sweep that has two."""
         two = self.sweep is not None and self.sweep.against
-        return self.spec.setting(two) if two else None
+        return value_of(self.spec, two) if two else None
 
     def published(self, measure: str) -> PublishedMeasure | None:
         """What the paper prints of a measure."""

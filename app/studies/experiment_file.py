@@ -8,8 +8,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from agents.individuals import as_distribution
 from agents.spec import OPTIONS, Options
-from app.strict_table import Line, StrictTable, Value
+from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.measure import Settings
 from worlds.input_error import InputError
 from worlds.mission import Goal
@@ -125,7 +126,7 @@ class PaperRow(StrictTable, Options):
     agents: int = Field(ge=1)
     label: str = ""
     """Its name in the table; the model's where it has none of its own."""
-    parameters: dict[str, Value] = Field(default_factory=dict)
+    parameters: dict[str, ParameterValue] = Field(default_factory=dict)
     obstacles: bool = True
     """Whether the world keeps its obstacles."""
     size: float | None = Field(None, gt=0.0)
@@ -160,7 +161,7 @@ class PaperSweep(StrictTable, Options):
     against_values: list[Value] = Field(default_factory=list)
     there_and_back: bool = False
     """Whether a single run goes through the values, from the first to the last and back."""
-    fixed: dict[str, Value] = Field(default_factory=dict)
+    fixed: dict[str, ParameterValue] = Field(default_factory=dict)
     trend: Literal["rises", "falls"] | None = None
     """What the paper says the time does along the values."""
     flat_from: float | None = None
@@ -172,6 +173,12 @@ class PaperSweep(StrictTable, Options):
             raise ValueError("against and against_values need each other")
         if self.there_and_back and self.parameter in OPTIONS:
             raise ValueError(f"{self.parameter} is an option, which a run has from its start")
+        for value in (*self.values, *self.against_values):
+            if as_distribution(value) is not None:
+                name = self.parameter if value in self.values else self.against
+                raise ValueError(
+                    f"{value} has no place along an axis: vary {name}.mean and {name}.spread"
+                )
         return self
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from agents.catalogue import model
 from agents.spec import Spec
 from app.package_files import EXPERIMENTS
-from app.strict_table import Value
+from app.strict_table import ParameterValue, Value
 from app.studies.experiment import Case, Experiment, Way
 from app.studies.experiment_file import (
     ExperimentFile,
@@ -21,6 +21,7 @@ from app.studies.experiment_file import (
 )
 from app.studies.figures import kinds, pictures
 from app.studies.key_lines import place
+from app.studies.moments import spec_with
 from worlds.input_error import InputError, needed, unknown
 from worlds.text_file import toml
 
@@ -140,13 +141,13 @@ def spec_of(
     file: ExperimentFile,
     of: PaperRow | PaperSweep,
     agents: int,
-    parameters: dict[str, Value],
+    parameters: Mapping[str, ParameterValue],
     size: float | None = None,
 ) -> Spec:
     """The run of a row or a sweep, but for its seed. Raises InputError."""
     settings = file.settings
     informed = model(of.model).informed if of.informed is None else of.informed
-    return Spec(
+    base = Spec(
         of.model,
         agents=agents - informed if settings.n_counts_informed else agents,
         size=size or file.sizes.get(str(agents)),
@@ -154,11 +155,13 @@ def spec_of(
         world=settings.world,
         parameters=settings.parameters,
         **of.chosen,
-    ).taking(**parameters)
+    )
+    return spec_with(base, parameters)
 
 
-def points_of(sweep: PaperSweep) -> list[tuple[dict[str, Value], Value, Way]]:
+def points_of(sweep: PaperSweep) -> list[tuple[dict[str, ParameterValue], Value, Way]]:
     """What a sweep sets beside its parameter, the parameter's value, and the way: in order."""
+    others: list[dict[str, ParameterValue]]
     others = [{sweep.against: value} for value in sweep.against_values] or [{}]
     steps: list[tuple[Value, Way]] = [(value, "") for value in sweep.values]
     if sweep.there_and_back:

@@ -10,13 +10,14 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from agents.catalogue import is_built_in
 from agents.engine.cache import fingerprint as feed
 from agents.flock import Flock
-from agents.spec import versions
+from agents.spec import Spec, versions
 from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.experiment_file import PLAIN
 from app.studies.measure import Number, Settings
@@ -74,7 +75,7 @@ def run_cases(flock: Flock, cases: Sequence[Case], settings: Settings) -> list[R
     results: list[Result] = []
     for case in cases:
         if results:  # it has begun with the parameters of the first
-            flock.set(**case.spec.parameters)
+            flock.set(**case.spec.parameters | case.spec.individuals)
         measures = settings.run(flock, look)
         ended = time.perf_counter()
         look()
@@ -266,7 +267,7 @@ class RunPlan:
         messages: dict[tuple[int, int], str] = {}
         for number, case in zip(self.numbers, self.experiment.cases, strict=True):
             spec = case.spec
-            parameters = json.dumps(spec.parameters, sort_keys=True, separators=(",", ":"))
+            parameters = json.dumps(written(spec), sort_keys=True, separators=(",", ":"))
             for seed in self.seeds:
                 message = words(self.outcomes[number, seed])
                 if message:
@@ -288,12 +289,17 @@ class RunPlan:
 def cell_of(case: Case, experiment: Experiment) -> tuple[str, str]:
     """The hash and the JSON of a case, as the store has them. Raises InputError."""
     spec = case.spec
-    identity = {"model": spec.model, "agents": case.agents, "parameters": spec.parameters}
+    identity = {"model": spec.model, "agents": case.agents, "parameters": written(spec)}
     basis = {"all else": named_fingerprint(case, experiment)}
     key = canonical({"identity": identity, "basis": basis})
-    axes = {"label": case.label, "agents": case.agents, **spec.parameters}
+    axes = {"label": case.label, "agents": case.agents, **written(spec)}
     content = {"axes": axes, "identity": identity, "basis": basis}
     return hashlib.sha256(key.encode()).hexdigest()[:24], canonical(content)
+
+
+def written(spec: Spec) -> dict[str, Any]:
+    """The parameters of a run as a table has them: distributions as text."""
+    return spec.parameters | {name: d.to_text() for name, d in spec.individuals.items()}
 
 
 def named_fingerprint(case: Case, experiment: Experiment) -> str:
@@ -332,9 +338,10 @@ def compile_models(experiment: Experiment, tell: Tell | None) -> None:
 
 
 def warn_of_passing(experiment: Experiment, tell: Tell) -> None:
-    """Tell of each model of an experiment whose agents go through what is solid."""
+    """Tell of each model of an experiment whose agents go through what is solid, and of numbers of
+    agents that were drawn again."""
     flocks = [flock_of(case, 0) for case in experiment.cases]
-    for words in dict.fromkeys(flock.warning for flock in flocks if flock.passing):
+    for words in dict.fromkeys(flock.warning for flock in flocks if flock.warning):
         tell(f"flockscope: {words}")
 
 

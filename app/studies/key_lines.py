@@ -46,7 +46,10 @@ def place(path: object, text: str, key: str, table: str = "") -> str:
 
 DESIGN = re.compile(r"\s*\[\[\s*design\s*\]\]")
 OTHER = re.compile(r"\s*\[\[?\s*(?!design\s*\.)")
-NAMED = re.compile(r"unknown (?:parameter|key|option) '([^']*)'|(?:unknown )?([A-Za-z_][\w-]*)")
+NAMED = re.compile(
+    r"unknown (?:parameter|key|option) '([^']*)'|"
+    r"(?:unknown )?([A-Za-z_][\w-]*(?:\.(?:mean|spread)\b)?)"
+)
 """What a refusal is about: the first word of it."""
 
 
@@ -85,6 +88,8 @@ def name_in_refusal(refusal: str) -> str:
     'eta'
     >>> name_in_refusal("unknown parameter 'p9' (known: p1)")
     'p9'
+    >>> name_in_refusal("s.spread = -1 is not allowed: a spread is >= 0")
+    's.spread'
     """
     match = NAMED.match(refusal)
     return match[match.lastindex or 0] if match else ""

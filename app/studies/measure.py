@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from app.strict_table import StrictTable, Value
+from app.strict_table import ParameterValue, StrictTable
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -82,7 +82,7 @@ class Settings(StrictTable):
     world: str
     dim: Literal[2, 3] | None = None
     """Dimensions; None for the world's own, or 2."""
-    parameters: dict[str, Value] = Field(default_factory=dict)
+    parameters: dict[str, ParameterValue] = Field(default_factory=dict)
     n_counts_informed: bool = False
     """Whether the paper counts the information agents in N."""
 

@@ -14,6 +14,7 @@ from cli.calling import refusal
 from websockets.exceptions import InvalidStatus
 
 from agents import Flock
+from agents.individuals import normal
 from app.classroom.browser_flocks import MOST_WATCHING, BrowserFlocks
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import Flocks
@@ -416,3 +417,10 @@ def test_at_most_two_hundred_look_at_the_teachers_flock(empty_class):
         await room.close()
 
     asyncio.run(try_it())
+
+
+def test_agents_that_differ_run_on_the_server():
+    scene = SavedScene("s", preset_spec("vem", agents=9, parameters={"eta": normal(0.5, 0.1)}))
+    assert not runs_in_browser(scene, 5, None)
+    with pytest.raises(InputError, match="agents differ in eta"):
+        runs_in_browser(scene, 5, FlockPlace.IN_BROWSER)

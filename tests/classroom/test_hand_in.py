@@ -12,6 +12,7 @@ import pytest
 
 import flockscope
 from agents.flock import Flock
+from agents.individuals import normal
 from agents.spec import Spec
 from app.classroom.collect.hand_in import hand_in, warm_up
 from app.classroom.collect.question import question_of
@@ -227,3 +228,21 @@ def test_warming_up_compiles_what_a_run_calls():
     warm_up(ORDER, SCENE)
     warm_up(AGREE, LED)
     assert made(0.4).result == made(0.4).result
+
+
+def test_a_result_of_agents_that_differ_is_that_of_the_same_agents():
+    scene = SCENE.with_parameters(SCENE.all_parameters | {"v0": normal(0.03, 0.01)})
+    question = question_of(VALUES, scene)
+    point = hand_in(question, "Ada", scene, scene, WHEN)
+    assert point.differs == ()
+    assert Spec.from_toml(point.spec).individuals == {"v0": normal(0.03, 0.01)}
+    alike = hand_in(question, "Ada", SCENE, scene, WHEN)
+    assert alike.differs == ("other v0: 0.03, not normal(0.03, 0.01)",)
+
+
+def test_what_a_question_is_about_cannot_differ():
+    scene = SCENE.with_parameters(SCENE.all_parameters | {"eta": normal(1.0, 0.1)})
+    with pytest.raises(InputError, match=r"eta is what the class is asked about.* differ in it"):
+        question_of(VALUES, scene)
+    with pytest.raises(InputError, match=r"eta is what the class is asked about.* differ in it"):
+        hand_in(ORDER, "Ada", scene, SCENE, WHEN)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.individuals import normal
 from agents.observables.catalogue import OBSERVABLES
 from app.classroom.collect.question import question_from_toml, question_of
 from app.classroom.collect.question_choices import measures_of, parameters_of, ready_for
@@ -36,6 +37,12 @@ def test_a_question_goes_through_json_toml_and_pickle():
 def test_values_are_in_order_and_titles_on_one_line():
     made = question_of(VALUES | {"values": [3, 0.5, 3.0], "title": " a\n\tb\x07 "}, SCENE)
     assert (made.values, made.title) == ([0.5, 3.0], "a b")
+
+
+def test_an_answer_is_one_number_of_agents_that_differed():
+    differ = SCENE.with_values(individuals={"eta": normal(0.5, 0.1), "v0": normal(0.03, 0.01)})
+    spec = question_of(VALUES, SCENE).with_value(differ, 3.0)
+    assert (spec.parameters["eta"], spec.individuals) == (3.0, {"v0": normal(0.03, 0.01)})
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,9 @@
 import json
 import random
 import signal
+from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from app.studies.runs.store_reader import StoreReader, readable
@@ -134,10 +136,39 @@ def test_the_common_case_needs_no_file(tmp_path, monkeypatch):
         assert path.stat().st_size > 1000
 
 
+def test_a_spread_is_varied_without_a_file_and_gone_on_with(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    vary = ("--vary", "v0.spread=0:0.01:2", "--vary", "eta.mean=0.2,0.4")
+    more = ("--set", "eta=normal:0.3:0.1", "--set", "agents=10", "--observe", "polarisation")
+    result = call("sweep", "run", "vem", *vary, *more, "--runs", 2, "--ticks", 5, "--limit", 3)
+    assert result.exit_code == 0, result.stderr
+    assert "v0.spread: spread of v0 / length/tick" in result.stdout
+    result = call("sweep", "run", "vem-v0.spread-eta.mean", "--json")
+    assert (json.loads(result.stdout)["made"], json.loads(result.stdout)["taken"]) == (5, 3)
+    lines = table("vem-v0.spread-eta.mean").splitlines()
+    assert lines[0].startswith("place,v0.spread,eta.mean,seed,")
+    assert [line.split(",")[1:3] for line in lines[1::2]] == [
+        ["0.0", "0.2"], ["0.0", "0.4"], ["0.01", "0.2"], ["0.01", "0.4"],
+    ]  # fmt: skip
+    call("sweep", "export", "vem-v0.spread-eta.mean", "runs.parquet")
+    assert pq.read_table("runs.parquet").column_names[1:3] == ["v0.spread", "eta.mean"]
+    spec = call("sweep", "show", "vem-v0.spread-eta.mean", "--cell", 4, "--seed", 1).stdout
+    assert "[parameters.v0]\nnormal = [0.03, 0.01]" in spec
+    assert "[parameters.eta]\nnormal = [0.4, 0.1]" in spec
+    drawn = call("sweep", "plot", "vem-v0.spread-eta.mean", "--kind", "map", "--out", "map.svg")
+    assert drawn.exit_code == 0, drawn.stderr
+    for label in ("spread of $v_0$ / length/tick", r"mean of $\eta$ / rad"):
+        assert label in Path("map.svg").read_text()
+
+
 @pytest.mark.parametrize(
     ("args", "said"),
     [
         (("run", "vem"), "for a model give --vary"),
+        (("run", "vem", "--vary", "v0.spread=-1:1:3"), "a spread is >= 0 (--vary v0.spread="),
+        (("run", "vem", "--vary", "k.mean=3,4"), "for one number of all (--vary k.mean=3,4"),
+        (("run", "vem", "--vary", "v0.mean=0,9"), "is outside [0, 1] length/tick (--vary v0.mea"),
+        (("run", "vem", "--vary", "v0.mean=0,1", "--vary", "v0=1"), "beside v0, which is one"),
         (("run", "nowhere.toml"), "cannot be read"),
         (("run", "vem", "--vary", "eta"), "is not of the form NAME=FROM:TO:COUNT"),
         (("run", "vem", "--vary", "eta=0:9:3"), "is outside [0, 6.2832] rad (--vary eta="),

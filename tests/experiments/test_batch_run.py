@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents.catalogue import MODELS
+from agents.individuals import each, normal
 from app.studies.sweeps import batch_run as module
 from app.studies.workers import thread_executor
 from flockscope import Flock, InputError, Spec, batch_run
@@ -48,6 +49,29 @@ def test_a_seed_that_is_drawn_is_told():
     flock = Flock("vem", agents=5, rng=rows[0]["seed"])
     flock.run(3)
     assert rows[0]["polarisation"] == flock.observe("polarisation")
+
+
+def test_values_may_be_distributions_which_rows_have_as_text():
+    """A list is one of values: the numbers of each agent are a list in it, as are `each`'s."""
+    values = [normal(0.3, 0.1), normal(0.3, 1 / 30), 0.3, [0.1, 0.2, 0.3]]
+    rows = batch_run(
+        Flock, {"agents": 3, "model": "vem", "eta": values}, rng=[1], max_steps=3, **QUIET
+    )
+    assert [row["eta"] for row in rows] == [
+        "normal(0.3, 0.1)",
+        "normal(0.3, 0.03333333333333333)",
+        0.3,
+        [0.1, 0.2, 0.3],
+    ]
+    for row, value in zip(rows, values, strict=True):
+        flock = Flock("vem", agents=3, eta=value, rng=1)
+        flock.run(3)
+        assert row["polarisation"] == flock.observe("polarisation")
+    one = batch_run(
+        "vem", {"agents": 3, "eta": each([0.1, 0.2, 0.3])}, rng=[1], max_steps=3, **QUIET
+    )
+    assert one[0]["polarisation"] == rows[3]["polarisation"]
+    assert one[0]["eta"] == "each of 3 agents"
 
 
 def test_a_spec_says_what_all_runs_share():

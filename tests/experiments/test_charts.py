@@ -132,6 +132,11 @@ def test_the_axis_of_a_parameter_stays_within_what_it_can_be():
     assert high == noise.high
 
 
+def test_a_mean_is_bounded_as_its_parameter_and_a_spread_from_below():
+    assert parameter_bounds("vem", "eta.mean") == parameter_bounds("vem", "eta")
+    assert parameter_bounds("vem", "eta.spread") == parameter_bounds("vem", "agents")
+
+
 def test_lines_of_an_order_parameter_over_noise_have_both_axes_bounded():
     axes = Figure().subplots()
     bounds = parameter_bounds("vem", "eta"), column_bounds("polarisation")

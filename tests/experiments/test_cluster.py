@@ -19,6 +19,7 @@ from app.studies.sweeps.sweep_runner import run_sweep
 from app.studies.sweeps.sweep_table import as_csv, long_table, wide_table
 from app.studies.workers.run_executors import Task
 from experiments.jobs import Sums
+from experiments.test_sweep import SPREAD
 from experiments.test_sweep_file import read
 from worlds.input_error import InputError
 
@@ -121,6 +122,13 @@ def test_whatever_a_run_does_the_others_are_kept_once(tmp_path):
         5: ("killed", "it took longer than 4 s"),
     }
     assert all(one.values == {"sum": seed + 1} for seed, one in kept if seed not in broken)
+
+
+def test_agents_that_differ_do_so_on_a_cluster(tmp_path):
+    sweep = read(tmp_path, text=SPREAD)
+    run_sweep(sweep, tmp_path / "here", workers=1)
+    run_sweep(sweep, tmp_path / "there", workers=1, cluster=Cluster(kind="local"))
+    assert tables(tmp_path / "here") == tables(tmp_path / "there")
 
 
 def test_a_worker_that_is_killed_loses_nothing(tmp_path, one_machine):

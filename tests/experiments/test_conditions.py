@@ -37,6 +37,14 @@ def test_whatever_is_no_comparison_is_refused(text):
         Condition(text, VALUES)
 
 
+def test_a_spread_is_compared_as_any_other_axis():
+    condition = Condition("s.spread < s.mean / 2", ["s.mean", "s.spread"])
+    assert condition.holds({"s.mean": 3.0, "s.spread": 1.0})
+    assert not condition.holds({"s.mean": 3.0, "s.spread": 2.0})
+    with pytest.raises(InputError, match=r"unknown axis 's.width'"):
+        Condition("s.width > 1", ["s.mean"])
+
+
 def test_an_unknown_axis_is_named_with_the_nearest():
     with pytest.raises(InputError, match="unknown axis 'aa'"):
         Condition("aa > b", VALUES)

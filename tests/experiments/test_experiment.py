@@ -2,8 +2,10 @@
 
 import pytest
 
+from agents.individuals import normal, uniform
 from app.package_files import EXPERIMENTS
 from app.studies.experiment_reader import experiment_names, read_experiment
+from app.studies.experiment_runner import cell_of
 from app.studies.key_lines import find_line, place
 from experiments.small import TEXT, small
 from worlds.input_error import InputError
@@ -38,6 +40,38 @@ def test_rows_inherit_the_settings(tmp_path):
     cases = small(tmp_path).cases
     assert cases[0].spec.parameters == {"eta": 0.0}
     assert cases[1].spec.parameters == {"eta": 0.0, "p2": 7.0}
+
+
+DIFFER = (
+    TEXT.replace("eta = 0.0", 'eta = "normal:0.1:0.02"')
+    + """
+[[sweeps]]
+model = "vem"
+agents = [12]
+parameter = "eta.spread"
+values = [0.0, 0.05]
+fixed = { v0.uniform = [0.02, 0.04] }
+"""
+)
+
+
+def test_agents_of_a_case_may_differ_and_a_sweep_goes_over_a_spread(tmp_path):
+    experiment = small(tmp_path, DIFFER)
+    own = [case.spec.individuals for case in experiment.cases]
+    assert own[:2] == [{"eta": normal(0.1, 0.02)}] * 2
+    assert own[2:] == [
+        {"eta": normal(0.1, spread), "v0": uniform(0.02, 0.04)} for spread in (0.0, 0.05)
+    ]
+    assert [case.value for case in experiment.cases[2:]] == [0.0, 0.05]
+    cells = [cell_of(case, experiment) for case in experiment.cases]
+    assert '"eta":"normal(0.1, 0.02)"' in cells[0][1]
+    plain = small(tmp_path)
+    cells += [cell_of(case, plain) for case in plain.cases]
+    assert len({key for key, _ in cells}) == 6
+    with pytest.raises(InputError, match=r"has no place along an axis: vary eta.mean and eta.spr"):
+        small(
+            tmp_path, DIFFER.replace('eta.spread"\nvalues = [0.0,', 'eta"\nvalues = ["normal:1:1",')
+        )
 
 
 def test_narrowing(tmp_path):

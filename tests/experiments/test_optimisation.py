@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from agents.spec import Spec
 from app.studies.optimisation.optimisation_runner import optimise
 from app.studies.optimisation.study import OptimisationFile, read_study
 from app.studies.runs.store_reader import StoreReader
@@ -42,6 +43,9 @@ def flat(flock):
 
 def down(flock):
     return -flock.parameters.eta
+
+def wide(flock):
+    return abs(flock.individuals["eta"].spread - 0.4)
 
 def twice(flock):
     return 1.0 / (flock.seed - 2) if flock.parameters.eta > 3.0 else flock.parameters.eta
@@ -107,6 +111,33 @@ def test_a_known_optimum_inside_the_box(tmp_path):
     assert best.means[0].half > 0.0
     assert not found.ties.is_plateau
     assert (found.evaluations, found.runs, found.fresh_runs) == (60, 3 * (found.different + 1), 15)
+
+
+SPREAD = (
+    ("mine.py:off", "mine.py:wide"),
+    ("r = { from = 0.1, to = 0.6 }", ""),
+    ("eta = {", "eta.spread = {"),
+    ("to = 6.0", "to = 0.5"),
+    ("ticks = 1", "ticks = 1\nparameters = { eta.uniform = [1.0, 1.4] }"),
+    ('observable = "off"', 'observable = "wide"'),
+    ("evaluations = 60", "evaluations = 30"),
+)
+
+
+@pytest.mark.usefixtures("here")
+def test_a_spread_is_searched_and_its_default_is_that_of_the_run(tmp_path):
+    found = answer(tmp_path, *SPREAD)
+    assert found.default.point == {"eta.spread": pytest.approx(0.2)}
+    assert found.best[0].point["eta.spread"] == pytest.approx(0.4, abs=0.05)
+    best = Spec.from_toml(found.best[0].spec).individuals["eta"]
+    assert best.kind == "uniform"
+    assert best.centre == pytest.approx(1.2)
+    for changed, said in (
+        ("k.spread = {", "k.spread: k cannot differ"),
+        ("eta = {", r"axis 'eta' is not allowed: agents differ in it \(uniform\(1, 1.4\)\)"),
+    ):
+        with pytest.raises(InputError, match=said):
+            study(tmp_path, *SPREAD, ("eta.spread = {", changed))
 
 
 @pytest.mark.usefixtures("here")

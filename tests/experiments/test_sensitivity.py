@@ -44,6 +44,39 @@ name = "polarisation"
 """
 
 
+SPREADS = """
+[run]
+model = "vem"
+agents = 5
+size = 2.0
+ticks = 1
+parameters = { eta = 1.0 }
+[[design]]
+kind = "morris"
+trajectories = 3
+[design.axes]
+eta.spread = { from = 0.0, to = 0.5 }
+eta.mean = { from = 1.0, to = 2.0 }
+v0.spread = { from = 0.0, to = 0.01 }
+[replicates]
+count = 2
+[[observe]]
+measure = "mine.py:mean"
+"""
+
+
+def test_means_and_spreads_matter_as_much_as_they_move_agents_numbers(tmp_path):
+    (tmp_path / "mine.py").write_text("def mean(flock):\n    return flock.own['eta'].mean()\n")
+    sweep = read(tmp_path, text=SPREADS)
+    run_sweep(sweep, tmp_path / "out", workers=2)
+    (found,) = analyse(sweep, StoreReader(tmp_path / "out"))
+    moved = {influence.axis: influence.total.value for influence in found.influences}
+    assert found.influences[0].axis == "eta.mean"
+    assert moved["eta.mean"] == pytest.approx(1.0)
+    assert 0.0 < moved["eta.spread"] < 0.5
+    assert moved["v0.spread"] == 0.0
+
+
 def ishigami(design):
     """7 sin^2 x2 + (1 + 0.1 x3^4) sin x1, whose indices are known exactly."""
     x1, x2, x3 = (2.0 * np.pi * unit_sample(design) - np.pi).T

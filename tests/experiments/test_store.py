@@ -5,6 +5,8 @@ import sqlite3
 
 import pytest
 
+from agents import Flock
+from agents.individuals import normal
 from app.studies.experiment_runner import fingerprint, run_experiment
 from app.studies.runs.database import FILE
 from app.studies.runs.store import Store
@@ -37,6 +39,19 @@ def test_a_rerun_takes_what_is_there(tmp_path):
     more = carry_out(experiment, tmp_path, runs=6)
     assert (more.made, more.taken) == (4, 8)
     assert [one[:4] for one in times(more)] == times(first)
+
+
+def test_agents_that_differ_do_so_in_every_run(tmp_path):
+    experiment = small(tmp_path, TEXT.replace("eta = 0.0", "eta.normal = [0.2, 0.1]"))
+    done = carry_out(experiment, tmp_path)
+    case = experiment.cases[0]
+    measured = []
+    for seed in range(1, 5):
+        flock = Flock("vem", agents=12, size=1.7, world="wrap", eta=normal(0.2, 0.1), rng=seed)
+        measured.append(experiment.settings.run(flock, lambda: None)["k_con"])
+    assert case.spec.individuals == {"eta": normal(0.2, 0.1)}
+    assert times(done)[0] == measured
+    assert carry_out(experiment, tmp_path).made == 0
 
 
 def test_only_what_is_not_there_is_run_again(tmp_path):

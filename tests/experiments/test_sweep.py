@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from agents.individuals import normal
+from agents.recordings.recording import Recording
 from agents.run_records import follow
 from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
@@ -69,6 +71,43 @@ def test_its_numbers_are_those_of_a_plain_loop(tmp_path):
     flock = Flock(spec)
     flock.run(30)
     assert flock.observe("polarisation") == expected[4 + 2][2]
+
+
+SPREAD = (
+    SMALL.replace("eta = [0.0, 3.0, 6.0]", "v0.spread = [0.0, 0.01]").replace(
+        "count = 4", "count = 2"
+    )
+    + "[[record]]\nwhere = 'v0.spread > 0'\nevery = 10\n"
+)
+
+
+def test_agents_that_differ_make_the_same_rows_wherever_they_are_run(tmp_path):
+    """On threads, in processes (a timeout asks for these), and after a stop; as by hand."""
+    sweep = read(tmp_path, text=SPREAD)
+    carry_out(sweep, tmp_path / "threads")
+    carry_out(sweep, tmp_path / "processes", limit=1)
+    timed = read(tmp_path, text=SPREAD.replace("ticks = 30", "ticks = 30\ntimeout = 600"))
+    assert carry_out(timed, tmp_path / "processes").made == 3
+    assert table(tmp_path / "threads") == table(tmp_path / "processes")
+    columns = wide_table(StoreReader(tmp_path / "threads"))
+    assert columns["v0.spread"] == [0.0, 0.0, 0.01, 0.01]
+    for seed, value in zip((1, 2), columns["polarisation"][2:], strict=True):
+        flock = Flock("vem", agents=10, size=2.0, v0=normal(0.03, 0.01), rng=seed)
+        flock.run(30)
+        assert flock.observe("polarisation") == value
+        spec = Results(tmp_path / "threads").spec(2, seed)
+        assert np.array_equal(Flock(spec).own["v0"], flock.own["v0"])
+    recording = Recording(tmp_path / "processes" / "recordings" / "cell-2-seed-1.parquet")
+    assert recording.spec.individuals == {"v0": normal(0.03, 0.01)}
+
+
+def test_without_a_spread_a_run_is_that_of_agents_that_are_alike(tmp_path):
+    carry_out(read(tmp_path, text=SPREAD), tmp_path / "out")
+    columns = wide_table(StoreReader(tmp_path / "out"))
+    for seed, value in zip((1, 2), columns["polarisation"][:2], strict=True):
+        flock = Flock("vem", agents=10, size=2.0, rng=seed)
+        flock.run(30)
+        assert value == pytest.approx(flock.observe("polarisation"), abs=1e-9)
 
 
 def test_a_limit_makes_a_part_of_every_cell_and_the_rest_comes_later(tmp_path):

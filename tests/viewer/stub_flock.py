@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from concurrent.futures import Future
 from pathlib import Path
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 
@@ -52,6 +52,8 @@ class StubFlock:
     """Agents that fly straight on; at the tick `breaks_at` they raise `error` instead."""
 
     is_compiled = True
+    loop = None
+    individuals = own = redrawn = MappingProxyType({})
 
     def __init__(
         self,
@@ -107,6 +109,10 @@ class StubFlock:
             time.sleep(self.cost)
             self.position = (self.position + 0.03 * self.heading) % self.side
             self.tick += 1
+
+    @property
+    def all_parameters(self) -> dict[str, float]:
+        return self.parameters.model_dump()
 
     def set(self, **values) -> None:
         self.parameters = checked(Knobs, self.parameters.model_dump() | values)

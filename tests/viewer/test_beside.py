@@ -13,6 +13,7 @@ import tomlkit
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.individuals import normal, one_of, uniform
 from agents.spec import Spec
 from app.cli.lab import parameters
 from app.viewer.lab.panels.flock_monitors import compare_table
@@ -274,3 +275,37 @@ def test_a_table_leaves_open_what_one_of_them_lacks():
     assert "<td>x</td><td>1</td><td>3</td>" in table
     assert "<td>y</td><td>2</td><td>–</td>" in table
     assert compare_table("Mission", ("a", "b"), {}, {}) == ""
+
+
+def test_agents_that_differ_have_the_same_numbers_in_both_flocks():
+    both = pair(
+        "vem", "ivem-a", parameters={"eta": one_of(0.5, 1.0)}, own={"k_iu": normal(0.5, 0.1)}
+    )
+    first, second = both.flock, both.second.flock
+    assert np.array_equal(first.own["eta"], second.own["eta"])
+    assert set(first.own) == {"eta"}
+    assert set(second.own) == {"eta", "k_iu"}
+    assert both.beside_values["k_iu"] == normal(0.5, 0.1)
+    both.set("eta", uniform(0.5, 0.8))
+    assert np.array_equal(first.own["eta"], second.own["eta"])
+    both.set("k_iu", 0.4, beside=True)
+    assert set(second.own) == {"eta"}
+
+
+def test_what_a_second_model_cannot_differ_in_is_refused_by_name():
+    both = pair("vem", "hwvem")
+    shared = [name for name in both.shared if name in MODELS["hwvem"].shared]
+    shared = [name for name in shared if name in MODELS["vem"].individual]
+    assert "r" in shared
+    with pytest.raises(InputError, match=r"^.*: r cannot differ from agent to agent in hwvem"):
+        both.set("r", uniform(0.5, 0.8))
+    assert both.flock.own == {}
+    with pytest.raises(InputError, match="r cannot differ from agent to agent in hwvem"):
+        pair("vem", "hwvem", parameters={"r": uniform(0.5, 0.8)})
+
+
+def test_the_command_line_gives_distributions_to_the_laboratory():
+    own, _ = parameters("couzin", ["s=normal:3:0.5", "r_r=2"])
+    assert own == {"s": normal(3.0, 0.5), "r_r": 2.0}
+    with pytest.raises(InputError, match="tau cannot differ"):
+        parameters("couzin", ["tau=normal(0.1, .01)"])

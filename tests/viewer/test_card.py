@@ -12,6 +12,7 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.individuals import normal, one_of, uniform
 from agents.inspection import Inspection
 from agents.models.model import vector_name
 from app.viewer.lab.panels.inspector import FIRST, ON_ITS_WAY, Inspector, facts, folds, head
@@ -149,3 +150,31 @@ def test_browsers_are_told_nothing_while_nothing_changes(server, monkeypatch):
     monkeypatch.setattr(server.gui._websock_interface, "queue_message", told.append)
     inspector.refresh(one, 3, (1.0, 2.0, 3.0))
     assert told == []
+
+
+def test_an_agent_shows_its_own_numbers_beside_what_they_are_drawn_from():
+    flock = Flock(preset_spec("couzin", seed=3, agents=9, parameters={"s": normal(3.0, 0.5)}))
+    flock.run(2)
+    frame, seen = FrameBuilder(flock, 1).build(), flock.inspect(4)
+    title, text = folds(frame, seen)["own"]
+    assert title == f"Its own s: {flock.own['s'][4]:.4g}"
+    (value,) = rows(text).values()
+    assert value.startswith(f"{flock.own['s'][4]:.4g}")
+    assert value.endswith("of normal(3, 0.5)")
+    flock.set(r_r=uniform(0.5, 1.5))
+    frame, seen = FrameBuilder(flock, 1).build(), flock.inspect(4)
+    assert folds(frame, seen)["own"][0] == "2 numbers of its own"
+    assert f"{flock.own['r_r'][4]:g}" in folds(frame, seen)["zones"][1]
+    flock.set(s=3.0, r_r=1.0)
+    assert "own" not in folds(FrameBuilder(flock, 1).build(), flock.inspect(4))
+
+
+def test_the_reach_is_that_of_the_agent():
+    flock = Flock(preset_spec("vem", seed=3, agents=9, parameters={"r": one_of(0.5, 1.0)}))
+    frame = FrameBuilder(flock, 1).build()
+    assert frame.reach == 1.0
+    assert np.array_equal(frame.reaches, flock.own["r"])
+    couzin = Flock("couzin", agents=5, rng=1, dr_o=uniform(1.0, 4.0))
+    reaches = FrameBuilder(couzin, 1).build().reaches
+    assert np.allclose(reaches, [couzin.parameters_of(row).range for row in range(5)])
+    assert FrameBuilder(Flock("vem", agents=5), 1).build().reaches is None

@@ -6,6 +6,7 @@ import base64
 import io
 import re
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,8 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
+from agents import individuals
 from agents.catalogue import BUILT_IN, MODELS
 from agents.flock import Flock
+from agents.individuals import as_distribution, lognormal, normal, one_of, uniform
 from agents.models.declare import TOPICS
 from agents.models.related import related_models
 from agents.spec import Spec
@@ -41,6 +44,7 @@ from app.viewer.gallery.scene_collection import (
     pictures,
     scene_names,
 )
+from app.viewer.gallery.scene_steps import SceneStep, step_spec
 from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 from worlds.layout import layout_names
@@ -321,3 +325,74 @@ def test_the_words_for_a_world_that_was_changed_ask_for_a_file():
     scene = SavedScene("mine", preset_spec("vem", world=changed))
     assert "scene.toml" in command_line(scene)
     assert "spec.toml" in python(scene)
+
+
+# Agents that differ.
+
+
+def differing_scene(**parameters) -> SavedScene:
+    """A scene of few agents that differ."""
+    return SavedScene("mine", preset_spec("couzin", agents=6, parameters=parameters))
+
+
+@pytest.mark.parametrize(
+    "value", [normal(3.0, 0.5), lognormal(3.0, 1.0), uniform(2.0, 3.0), one_of(2.0, 3.0)], ids=str
+)
+def test_what_differs_comes_back_from_a_file_an_address_and_words(value):
+    scene = differing_scene(s=value, r_r=2.0)
+    own = Flock(scene.spec).own["s"]
+    for read in (SavedScene.from_toml(scene.to_toml(), "a file"), unpack_scene(pack_scene(scene))):
+        assert read.spec.individuals == {"s": value}
+        assert np.array_equal(Flock(read.spec).own["s"], own)
+    (said,) = re.findall(r"--set s=(\S+)", command_line(scene))
+    assert as_distribution(said) == value
+    names = {"Flock": Flock, value.kind: getattr(individuals, value.kind)}
+    code = python(scene).removeprefix(f"from flockscope import Flock, {value.kind}\n")
+    exec(code.replace("flock.run(100)", ""), names)
+    assert np.array_equal(names["flock"].own["s"], own)
+
+
+def test_numbers_of_each_agent_come_back_and_are_too_many_for_words():
+    scene = differing_scene(s=[2.0, 2.5, 3.0, 3.5, 4.0, 4.5])
+    read = SavedScene.from_toml(scene.to_toml(), "a file")
+    assert Flock(read.spec).own["s"].tolist() == [2.0, 2.5, 3.0, 3.5, 4.0, 4.5]
+    assert "numbers one by one" in command_line(scene)
+    assert "numbers one by one" in python(scene)
+
+
+def test_a_scene_keeps_what_differs_beside_and_how_it_is_coloured():
+    scene = SavedScene(
+        "mine",
+        preset_spec("vem", agents=6, parameters={"eta": normal(0.5, 0.1)}),
+        beside=Spec("couzin", parameters={"s": normal(3.0, 0.5)}),
+        look={"colour": "own eta"},
+    )
+    read = SavedScene.from_toml(scene.to_toml(), "a file")
+    assert read.beside.individuals == {"s": normal(3.0, 0.5)}
+    assert read.look == {"colour": "own eta"}
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ("tau = {normal = [0.1, 0.01]}", r"tau cannot differ .* \(it\)"),
+        ("s = {gamma = [1, 2]}", r"s: unknown distribution 'gamma'.* \(it\)"),
+        ("s = {normal = [1, -2]}", r"s: normal = .* a standard deviation is >= 0"),
+        ("x = {normal = [1, 2]}", "unknown parameter 'x'"),
+    ],
+)
+def test_what_cannot_differ_is_refused_in_one_line(parameters, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        SavedScene.from_toml(f'[run]\nmodel = "couzin"\n[run.parameters]\n{parameters}\n', "it")
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_step_of_a_lesson_moves_agents_that_differ_and_keeps_their_spread():
+    scene = differing_scene(s=normal(3.0, 0.5))
+    step = SceneStep(
+        say="Faster", controls=["s"], ask="What comes?", choices=["more", "less"], bounds=[0.5],
+        measure="polarisation", ticks=10, set={"s": 4.0}, shows="more", why="They go on.",
+    )  # fmt: skip
+    assert step_spec(scene.spec, step).individuals == {"s": normal(4.0, 0.5)}
+    text = replace(scene, steps=(step,)).to_toml()
+    assert SavedScene.from_toml(text, "it").steps == (step,)

@@ -9,8 +9,17 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
+from agents.individuals import normal
 from app.viewer.lab.panels.runs_panel import small_curve, table_bytes, table_html
-from app.viewer.lab.runs_file import HEAD, RunsFile, line_of, read_runs, run_values, runs_as_bytes
+from app.viewer.lab.runs_file import (
+    HEAD,
+    RunsFile,
+    line_of,
+    read_runs,
+    run_values,
+    runs_as_bytes,
+    spec_of,
+)
 from app.viewer.measuring import kept_runs
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRuns, differing_names, runs_table
@@ -276,3 +285,20 @@ def test_python_reads_the_runs_and_makes_them_again(tmp_path: Path):
     path.write_bytes(path.read_bytes() + b"{\n")
     with pytest.warns(UserWarning, match="line 4 is damaged"):
         flockscope.runs_frame(path)
+
+
+def test_what_differs_is_written_in_the_table_and_read_again():
+    run = read(s=normal(3.0, 0.5), model="couzin")
+    change(run, s=2.0)
+    change(run, s=[1.0 + k for k in range(8)])
+    rows = kept(run)
+    table = runs_table(rows.rows)
+    assert table["s"] == ["normal(3, 0.5)"]
+    assert "s normal(3, 0.5) → … → each of 8 agents" in table["changed"][0]
+    assert b"normal(3, 0.5)" in table_bytes(rows.rows, "CSV")
+    assert table_bytes([*rows.rows, *kept(read(s=2.0, model="couzin")).rows], "Parquet")
+    read_again = read_runs("it", runs_as_bytes(rows.rows))
+    assert read_again.skipped == ()
+    history = read_again.runs[0].course.history
+    assert history.steps["s"] == rows.rows[0].course.history.steps["s"]
+    assert spec_of(history.first).individuals == {"s": normal(3.0, 0.5)}

@@ -16,9 +16,11 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from agents.individuals import normal, uniform
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import UNWATCHED, Laboratory
 from app.viewer.panels import followed_value
+from app.viewer.panels.differences import REPLACED, TITLE
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import KEYS
 from app.viewer.run.run_preset import preset_spec
@@ -136,7 +138,7 @@ def test_an_answer_to_an_older_value_takes_a_slider_nowhere(laboratory, browser,
         answers.append(Future())
         return answers[-1]
 
-    monkeypatch.setattr(simulation, "set", asked)
+    monkeypatch.setattr(simulation, "move", asked)
     monkeypatch.setattr(followed_value, "DRAG", 0.0)
     for value in (1.0, 2.0, 3.0):
         turn(browser, eta, value)
@@ -292,3 +294,31 @@ def test_fewer_frames_for_many_browsers_and_large_flocks():
     assert period(100, 1) == FASTEST
     assert period(1000, 40) == pytest.approx(1000 * 40 * 28 / 16e6)
     assert period(10**6, 10) == SLOWEST
+
+
+def test_agents_differ_by_a_slider_of_the_spread_and_undo_makes_them_alike(laboratory, browser):
+    panel, form, simulation = laboratory.parameters, laboratory.differences, laboratory.simulation
+    until(lambda: form.offered and form.slider is not None)
+    label = next(label for label, one in form.offered.items() if one.parameter.name == "eta")
+    before, panel.past = form.slider, []
+    turn(browser, form.which, label)
+    until(lambda: form.slider not in (None, before) and form.followed is not None)
+    assert form.slider.label.startswith("Spread of η")
+    simulation.set("eta", 1.0).result(COMPILED)
+    turn(browser, form.slider, 0.2)
+    until(lambda: simulation.state.values["eta"] == normal(1.0, 0.2))
+    until(lambda: form.folder.label == f"{TITLE}: 1")
+    assert "normal(1, 0.2)" in form.said.content
+    until(lambda: "own eta" in laboratory.view.form["colour"].options)
+    turn(browser, panel.controls["eta"], 1.5)
+    until(lambda: simulation.state.values["eta"] == normal(1.5, 0.2))
+    until(lambda: "→ normal(1.5, 0.2)" in panel.changed.content)
+    assert laboratory.now().spec.individuals == {"eta": normal(1.5, 0.2)}
+    simulation.set("eta", uniform(0.5, 1.5)).result(COMPILED)
+    until(lambda: "uniform(0.5, 1.5)" in form.said.content)
+    assert REPLACED in form.said.content
+    while panel.past:  # what follows within a second is one change
+        panel.undo()
+    until(lambda: simulation.state.values["eta"] == 1.0)
+    until(lambda: form.slider.value == 0.0 and form.folder.label == TITLE)
+    until(lambda: "own eta" not in laboratory.view.form["colour"].options)

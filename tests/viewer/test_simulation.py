@@ -10,7 +10,11 @@ from functools import partial
 import numpy as np
 import pytest
 
+from agents.flock import Flock
+from agents.individuals import each, normal
+from agents.web_program import web_program
 from app.viewer.lab.panels.inspector import facts
+from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
@@ -304,3 +308,77 @@ def test_what_cannot_be_observed_is_told_once_and_the_flock_runs_on(simulate, ca
     assert simulation.notices.empty()
     assert not simulation.state.error
     assert capfd.readouterr().err.count("Traceback") == 2
+
+
+# Agents that differ.
+
+
+@pytest.fixture
+def vem(simulate):
+    """A simulation of a real flock whose agents differ in eta."""
+    return simulate(
+        Flock, model="vem", agents=20, seed=3, parameters={"eta": normal(0.5, 0.1)}, running=False
+    )
+
+
+def test_sliders_move_the_centre_and_the_spread_of_what_differs(vem):
+    first = vem.run.flock.own["eta"].copy()
+    assert vem.state.values["eta"] == normal(0.5, 0.1)
+    assert vem.move("eta", 0.8).result(60) == normal(0.8, 0.1)
+    assert np.allclose(vem.run.flock.own["eta"], first + 0.3)
+    assert vem.spread("eta", 0.05).result(60) == normal(0.8, 0.05)
+    assert vem.move("v0", 0.04).result(60) == 0.04
+    assert vem.spread("eta", 0.0).result(60) == 0.8
+    assert vem.run.flock.own == {}
+    with pytest.raises(InputError, match="k cannot differ from agent to agent in vem"):
+        vem.spread("k", 1.0).result(60)
+    assert vem.state.values["k"] == vem.run.flock.k
+
+
+def test_numbers_that_are_drawn_again_are_said_once_however_often_a_slider_moves(vem):
+    while not vem.notices.empty():
+        vem.notices.get()
+    for mean in (0.15, 0.14, 0.13):
+        vem.move("eta", mean).result(60)
+        before = vem.frame
+        vem.look_again().result(60)
+        until(lambda before=before: vem.frame is not before)
+    assert vem.state.redrawn["eta", False] == vem.run.flock.redrawn["eta"] > 0
+    assert "drawn again" in vem.notices.get()
+    assert vem.notices.empty()
+
+
+def test_a_reset_and_another_seed_keep_what_differs(vem):
+    vem.spread("eta", 0.2).result(60)
+    own = vem.run.flock.own["eta"].copy()
+    run = vem.state.run
+    vem.reset()
+    until(lambda: vem.state.run > run and not vem.state.busy)
+    assert np.array_equal(vem.run.flock.own["eta"], own)
+    spec, _ = vem.state.current_specs()
+    vem.setup(spec.with_values(seed=9))
+    until(lambda: vem.state.run > run + 1 and not vem.state.busy)
+    assert vem.state.values["eta"] == normal(0.5, 0.2)
+    assert not np.array_equal(vem.run.flock.own["eta"], own)
+
+
+def test_numbers_by_hand_of_another_number_of_agents_are_refused_in_one_line(simulate):
+    simulation = simulate(Flock, model="vem", agents=3, parameters={"eta": [0.1, 0.2, 0.3]})
+    assert simulation.state.values["eta"] == each([0.1, 0.2, 0.3])
+    spec, _ = simulation.state.current_specs()
+    simulation.setup(spec.with_values(agents=5))
+    assert "eta has 3 values for 5 agents: one each is needed" in simulation.notices.get(timeout=60)
+
+
+def test_a_model_that_is_not_taken_over_is_said_with_what_differed(vem):
+    state = vem.state
+    couzin = preset_spec("couzin", agents=20)
+    said = SetupPanel.dropped_differences(state, (couzin, None))
+    assert said == "Not taken over into the new run: eta = normal(0.5, 0.1)"
+    assert SetupPanel.dropped_differences(state, state.current_specs()) == ""
+
+
+def test_a_page_of_its_own_is_refused_where_agents_differ(vem):
+    (flock,) = vem.flocks().result(60)
+    with pytest.raises(InputError, match="agents differ in eta: in a page that runs by itself"):
+        web_program(flock)

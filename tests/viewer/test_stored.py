@@ -14,12 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import Flock
+from agents.individuals import each, normal
 from agents.recordings.parquet_table import ParquetTable
 from agents.recordings.recorder import KEY
 from app.sandboxed_reader import read_in_sandbox
 from app.viewer.gallery.file_opener import open_file
 from app.viewer.run import stored_flock as limits
-from app.viewer.run.stored_flock import REWRITE, StoredFlock, read_stored
+from app.viewer.run.flock_run_builder import FlockRunBuilder
+from app.viewer.run.paired_run import companion
+from app.viewer.run.stored_flock import REWRITE, StoredFlock, read_stored, under_new_rule
 from worlds.input_error import InputError
 
 
@@ -217,3 +220,28 @@ def test_what_is_opened_was_written_by_ours(state):
     assert anew.metadata.num_row_groups == 1
     assert anew.metadata.row_group(0).column(0).compression == "ZSTD"
     assert anew.read().equals(pq.read_table(io.BytesIO(content)), check_metadata=True)
+
+
+def test_a_flock_whose_agents_differ_goes_on_and_is_set_up_with_their_numbers(tmp_path):
+    flock = Flock("vem", agents=6, rng=3, eta=normal(0.5, 0.1))
+    flock.run(2)
+    flock.members[2].eta = 0.9
+    flock.save(tmp_path / "state.parquet")
+    stored = read_stored("state.parquet", (tmp_path / "state.parquet").read_bytes())
+    building = FlockRunBuilder(Flock, companion)
+    again = building.flock(stored.spec, stored)
+    assert np.array_equal(again.own["eta"], flock.own["eta"])
+    assert stored.spec.individuals["eta"] == each(flock.own["eta"])
+    changed = stored.spec.with_parameters(stored.spec.all_parameters | {"v0": 0.04})
+    again = building.flock(changed, stored)
+    assert again.v0 == 0.04
+    assert np.array_equal(again.own["eta"], flock.own["eta"])
+    assert building.flock(stored.spec.with_parameters({"eta": 0.3}), stored).own == {}
+
+
+def test_a_rule_that_is_edited_keeps_what_differs():
+    flock = Flock("vem", agents=6, rng=3, eta=normal(0.5, 0.1))
+    flock.run(2)
+    flock.members[2].eta = 0.9
+    stored = under_new_rule(flock.spec, flock.snapshot(), Flock)
+    assert np.array_equal(stored.flock(Flock).own["eta"], flock.own["eta"])

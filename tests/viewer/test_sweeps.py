@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from agents.flock import Flock
+from agents.individuals import normal
 from app.studies.charts.run_group import CellRuns
 from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_locked
@@ -376,3 +377,11 @@ def test_a_map_has_a_colour_for_each_cell_with_a_value():
     sample = {k: CellRuns({"eta": 0.1 * k, "v0": 0.3 * k}, k, [0.5], [1]) for k in range(10)}
     axes = {name: [one.axes[name] for one in sample.values()] for name in ("eta", "v0")}
     assert "A sample" in drawn(axes, sample)
+
+
+def test_a_sweep_around_agents_that_differ_says_so_in_its_file_and_refuses_that_axis():
+    spec = preset_spec("couzin", agents=9, parameters={"s": normal(3.0, 0.5)})
+    asked = SweepRequest(spec, [Axis("r_r", 0.5, 1.5, 2)], "polarisation", 2, 10)
+    assert asked.values()["run"]["parameters"]["s"] == {"normal": [3.0, 0.5]}
+    with pytest.raises(InputError, match=r"s = normal\(3, 0.5\) differs from agent to agent"):
+        replace(asked, axes=[Axis("s", 2.0, 4.0, 2)]).values()

@@ -30,8 +30,7 @@ class RunIdentity:
     def of(cls, flock: Flock) -> RunIdentity:
         """That of a flock."""
         options = {name: getattr(flock.options, name) for name in OPTIONS if name not in APART}
-        parameters = flock.parameters.model_dump()
-        return cls(flock.options.model, options, parameters, flock.world)
+        return cls(flock.options.model, options, flock.all_parameters, flock.world)
 
 
 def differences(ran: RunIdentity, meant: RunIdentity, but: Collection[str]) -> tuple[str, ...]:

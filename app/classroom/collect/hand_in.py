@@ -124,10 +124,10 @@ def hand_in(
 
 def complete_run(spec: CompleteSpec, flock: Flock) -> str:
     """A run with all its parameters, as a scene opens it again. Raises InputError if none can."""
-    made = preset_spec(**dict(spec)).but(
+    made = preset_spec(**dict(spec)).with_parameters(
+        flock.all_parameters,
         agents=flock.options.agents,
         informed=flock.options.informed,
-        parameters=flock.parameters.model_dump(),
         versions=VERSIONS,
     )
     text = made.to_toml()

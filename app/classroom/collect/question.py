@@ -152,7 +152,8 @@ class Question(StrictTable):
         return (self.parameter, *self.free)
 
     def value_of(self, spec: CompleteSpec, name: str = "") -> float:
-        """The value of the parameter in a run, or of a free one. Raises InputError without it."""
+        """The value of the parameter in a run, or of a free one. Raises InputError without it, or
+        where agents differ in it."""
         name = name or self.parameter
         if name == AGENTS:
             return float(spec.agents)
@@ -161,6 +162,11 @@ class Question(StrictTable):
             raise InputError(
                 f"{name} is what the class is asked about, and {spec.model} has no such parameter: "
                 f"take {self.model}"
+            )
+        if name in spec.individuals:
+            raise InputError(
+                f"{name} is what the class is asked about, and here agents differ in it "
+                f"({name} = {spec.individuals[name]}): give all the same"
             )
         return float(spec.parameters.get(name, found.default))
 
@@ -177,7 +183,10 @@ class Question(StrictTable):
         number: float = round(value) if self.is_whole else value
         if self.parameter == AGENTS:
             return spec.with_values(agents=number)
-        return spec.with_values(parameters={**spec.parameters, self.parameter: number})
+        others = {name: d for name, d in spec.individuals.items() if name != self.parameter}
+        return spec.with_values(
+            parameters={**spec.parameters, self.parameter: number}, individuals=others
+        )
 
     def demand_cheap(self, spec: CompleteSpec) -> None:
         """Refuse a run that would take too long for one of a class. Raises InputError."""
@@ -245,6 +254,8 @@ def fitted(made: Question, scene: CompleteSpec) -> Question:
         raise InputError(f"values: one value of {made.parameter} shows nothing: give two or more")
     demand_measured(made, scene)
     checked = made.model_copy(update={"title": title, "values": values})
+    for name in checked.open:
+        checked.value_of(scene, name)
     for value in values or [checked.value_of(scene)]:
         checked.demand_cheap(checked.with_value(scene, value))
     return checked

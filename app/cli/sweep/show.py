@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -114,6 +115,8 @@ def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
         table.add_row(*cells)
     console = make_console()
     console.print(table)
+    for line in describe_moments(reader, axes):
+        console.print(line, markup=False)
     if len(rows) > MOST:
         console.print(f"and {len(rows) - MOST} more cells: `flockscope sweep export` has them all")
     failures = faults(reader)
@@ -125,6 +128,17 @@ def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
         )
     if len(failures) > FAULTS:
         console.print(f"and {len(failures) - FAULTS} more failed runs")
+
+
+def describe_moments(reader: StoreReader, axes: list[str]) -> Iterator[str]:
+    """What each axis is that is a mean or a spread, with its unit."""
+    from app.studies.moments import moment_label
+    from app.studies.sweeps.sweep_table import model_of
+
+    for axis in axes:
+        label = moment_label(model_of(reader), axis)
+        if label:
+            yield f"{axis}: {label}"
 
 
 def format_axis_value(value: Any) -> str:

@@ -23,7 +23,8 @@ Vary = Annotated[
     list[str] | None,
     typer.Option(
         "--vary",
-        help="An axis, NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=A,B,C; may be repeated.",
+        help="An axis, NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=A,B,C; NAME.mean and "
+        "NAME.spread where agents differ in NAME; may be repeated.",
     ),
 ]
 Fixed = Annotated[
@@ -131,6 +132,7 @@ class SweepOptions:
 def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> int | None:
     """The ticks that so many seconds are in every run. Raises InputError."""
     from agents.catalogue import model as find_model
+    from agents.individuals import split_individuals
     from agents.models.declare import checked
 
     varied = {setting.partition("=")[0].strip() for setting in vary}
@@ -141,7 +143,7 @@ def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> i
                 "give --ticks"
             )
     found_model = find_model(model)
-    given_values = dict(assignment(setting) for setting in fixed)
+    given_values, _ = split_individuals(dict(assignment(setting) for setting in fixed), "--set")
     own = {
         name: value
         for name, value in given_values.items()

@@ -14,6 +14,7 @@ from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from app.studies.measure import COUNT, UNBOUNDED, MeasureBounds
+from app.studies.moments import MEAN, moment_axis
 
 Limits = tuple[float, float]
 TICKS = "k"
@@ -56,6 +57,10 @@ def parameter_bounds(model: str, name: str) -> MeasureBounds:
     """
     if name == AGENTS:
         return COUNT
+    moment = moment_axis(name)
+    if moment is not None:
+        bounds = parameter_bounds(model, moment.parameter)
+        return bounds if moment.moment == MEAN else COUNT
     parameters = declared(MODELS[model].parameters) if model in MODELS else ()
     declared_parameter = next(
         (

@@ -190,7 +190,7 @@ def draw_sweeps(figure: Any, main: list[Verdict]) -> None:
         axes.set_xscale("symlog" if min(values) <= 0.0 else "log", **linear(values))
         axes.set_xticks(values, [f"{value:g}" for value in values], fontsize=9)
         axes.set_xlabel(SYMBOLS.get(sweep.parameter, sweep.parameter))
-        fixed = ", ".join(f"{SYMBOLS.get(p, p)} = {v:g}" for p, v in sweep.fixed.items())
+        fixed = ", ".join(f"{SYMBOLS.get(p, p)} = {name(v)}" for p, v in sweep.fixed.items())
         axes.set_title(f"{SYMBOLS.get(sweep.parameter, sweep.parameter)}, with {fixed}")
         if steep(lines):
             axes.set_yscale("log")

@@ -13,7 +13,7 @@ from app.studies.charts.boxes import draw_key
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Case
 from app.studies.judge.statistics import MeasureSummary
-from app.studies.judge.verdict import Verdict
+from app.studies.judge.verdict import Verdict, name
 from app.studies.measure import PERCENT, SHARE, Measure, Number, Settings
 from worlds.input_error import InputError
 
@@ -274,22 +274,22 @@ def draw_map(
     figure.colorbar(mesh, ax=axes, fraction=0.03, pad=0.01)
 
 
-def draw_ways(axes: Any, ways: list[tuple[PhasePoint, PhasePoint]], name: str) -> None:
+def draw_ways(axes: Any, ways: list[tuple[PhasePoint, PhasePoint]], measure: str) -> None:
     """Draw a measure on the way there and on the way back."""
     for k, (colour, marker, label, arrow) in enumerate(
         [(THERE, "o", "wider and wider", ">"), (BACK, "s", "narrower and narrower", "<")]
     ):
-        summaries = [getattr(pair[k], name) for pair in ways]
+        summaries = [getattr(pair[k], measure) for pair in ways]
         places = [pair[k].x for pair in ways]
         draw_mean_bars(axes, places, summaries, colour, label, marker=marker, linewidth=1.8)
         middle = len(ways) // 2
         (x0, y0), (x1, y1) = [(ways[i][k].x, summaries[i].mean) for i in (middle, middle + 1)]
         axes.plot(0.5 * (x0 + x1), 0.5 * (y0 + y1), arrow, color=colour, markersize=9)
     sweep = ways[0][0].case.own_sweep
-    fixed = ", ".join(f"{symbol(key)} = {value:g}" for key, value in sweep.fixed.items())
+    fixed = ", ".join(f"{symbol(key)} = {name(value)}" for key, value in sweep.fixed.items())
     axes.set_title(f"{symbol(sweep.parameter)} up and down within a run, {fixed}", loc="left")
     axes.set_xlabel(symbol(sweep.parameter))
-    axes.set_ylabel(name)
+    axes.set_ylabel(measure)
     axes.set_ylim(-0.03, 1.05)
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import tomlkit
 from pydantic import Field, field_validator, model_validator
 
 from agents.observables.catalogue import OBSERVABLES
@@ -16,6 +15,7 @@ from agents.spec import LARGEST_SEED, Spec
 from app.strict_table import Line, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.key_lines import KeyLocations, name_in_refusal
+from app.studies.moments import ByAxis, moment_axis, spec_with, value_of, with_moments
 from app.studies.search import Algorithm, demand_package
 from app.studies.sweeps.checked_sweep import (
     Sweep,
@@ -25,7 +25,7 @@ from app.studies.sweeps.checked_sweep import (
     make_job,
 )
 from app.studies.sweeps.designs import Point, round_point, value_between
-from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
+from app.studies.sweeps.sweep_cells import Basis, Cell
 from app.studies.sweeps.sweep_file import (
     MOST_TICKS,
     Axis,
@@ -38,6 +38,7 @@ from app.studies.sweeps.sweep_file import (
     Stop,
     SweepFile,
     comparison,
+    file_text,
 )
 from app.studies.sweeps.sweep_job import K, measure_of
 from worlds.input_error import InputError, unknown
@@ -54,7 +55,7 @@ class Search(StrictTable):
     """What is searched, and how."""
 
     algorithm: Algorithm
-    axes: dict[str, Axis] = Field(min_length=1)
+    axes: ByAxis[Axis] = Field(min_length=1)
     where: str = ""
     """A condition between axes: points for which it does not hold are not run."""
     evaluations: int = Field(ge=1, le=MOST_EVALUATIONS)
@@ -109,7 +110,7 @@ class Seeds(StrictTable):
 class PointMeasurement(StrictTable):
     """What is measured of a point, in runs that may differ from the others."""
 
-    at: dict[str, Value] = Field(default_factory=dict)
+    at: ByAxis[Value] = Field(default_factory=dict)
     """Parameters and options of these runs."""
     ticks: int | None = Field(default=None, ge=1, le=MOST_TICKS)
     """Ticks of these runs; None: as [run] has it."""
@@ -172,7 +173,7 @@ class Variant:
     def cell(self, point: Point) -> Cell:
         """The runs of a point. Raises InputError if they cannot be."""
         axes = {**point, **self.at}
-        return self.basis.cell(spec_of(self.sweep.base, axes), axes, 0)
+        return self.basis.cell(spec_with(self.sweep.base, axes), axes, 0)
 
 
 @dataclass(frozen=True)
@@ -292,7 +293,7 @@ def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Stud
     ]
     study = Study(
         file, places, folder, variants, goals, limits,
-        default_of(variants[0], file), places.text or tomlkit.dumps(values),
+        default_of(variants[0], file), places.text or file_text(values),
     )  # fmt: skip
     check_corners(study)
     return study
@@ -388,7 +389,7 @@ def variant(
     making.prepare()
     basis = Basis(making, seeds.first)
     try:
-        cell = basis.cell(spec_of(base, measurement.at), dict(measurement.at), 0)
+        cell = basis.cell(spec_with(base, measurement.at), dict(measurement.at), 0)
     except InputError as refusal:
         where = places.describe(
             name_in_refusal(str(refusal)), "objective.at" if measurement.at else "run"
@@ -401,19 +402,35 @@ def variant(
 def default_of(first: Variant, file: OptimisationFile) -> Point:
     """The values that the axes have without a search. Raises InputError for an axis that is
     none."""
-    spec = first.sweep.cells[0].identity["spec"]
-    values = {**spec, **spec["parameters"]}
+    cell = first.sweep.cells[0]
+    values = {**cell.identity["spec"], **cell.identity["spec"]["parameters"]}
     for name in file.search.axes:
         where = first.sweep.places.describe(name, "search.axes")
         if name in ("parameters", "ticks", "seed"):
             raise InputError(
                 f"axis {name!r} is not allowed: it is no parameter or option ({where})"
             )
+        if moment_axis(name):
+            values[name] = moment_of(cell.spec, name, where)
         if name not in values:
             raise unknown("axis", name, values, where)
         if name in first.at:
             raise InputError(f"axis {name!r} is not allowed: an objective says itself what it is")
+        if name in cell.spec.individuals:
+            raise InputError(
+                f"axis {name!r} is not allowed: agents differ in it "
+                f"({cell.spec.individuals[name]}): search {name}.mean and {name}.spread ({where})"
+            )
     return {name: values[name] for name in file.search.axes}
+
+
+def moment_of(spec: Spec, axis: str, where: str) -> float:
+    """The mean or the spread that a run has of a parameter. Raises InputError."""
+    try:
+        with_moments(spec, {axis: 0.0 if axis.endswith(".spread") else value_of(spec, axis)})
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({where})") from None
+    return float(value_of(spec, axis))
 
 
 def check_corners(study: Study) -> None:
@@ -441,4 +458,4 @@ def check_corners(study: Study) -> None:
 def spec_at(study: Study, point: Point) -> Spec:
     """The run of a point, as its first objective has it."""
     first = study.variants[0]
-    return spec_of(first.sweep.base, {**point, **first.at})
+    return spec_with(first.sweep.base, {**point, **first.at})

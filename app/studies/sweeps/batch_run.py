@@ -12,6 +12,7 @@ from typing import Any
 from agents.catalogue import is_built_in
 from agents.flock import Flock, seed_from
 from agents.flock_world import LARGEST_DRAWN
+from agents.individuals import Distribution
 from agents.observables.catalogue import BUILT_IN
 from agents.option import whole_number
 from agents.spec import DEFAULT, Spec
@@ -84,7 +85,9 @@ def batch_run(
     ----------
     model_cls: `Flock`, or the name of a model, or a `Spec`.
     parameters: words of `Flock` by name, `collect` among them; each is a value or an iterable of
-        values, and every value is run with every value of the others.
+        values, and every value is run with every value of the others. Where agents are to differ,
+        a value is a distribution, as in `"s": [normal(3, 0.1), normal(3, 0.5)]`: rows have its
+        text. A list is always one of values: the numbers of each agent are `[each([...])]`.
     number_processes: runs made at a time, 1 or more; None: as many as there are cores. They are
         made on threads of this process, and in processes where so many runs are worth these.
     rng: a seed, or an iterable of seeds, for each combination; None draws one, which is then in the
@@ -143,7 +146,7 @@ def batch_run(
     outcomes = make_runs(job, tasks, workers, display_progress)
     rows: list[dict[str, Any]] = []
     for task, (iteration, words, generator) in zip(tasks, runs, strict=True):
-        shared = {**words, "rng": generator}
+        shared = {name: row_value(value) for name, value in words.items()} | {"rng": generator}
         drawn = {"seed": task.seed} if generator is None and "seed" not in words else {}
         rows += [
             {"RunId": task.cell, "iteration": iteration, "Step": step.ticks}
@@ -175,6 +178,11 @@ def combine(parameters: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
             raise InputError(f"{name} has no values: give one at least")
         axes.append([(name, value) for value in choices])
     return map(dict, itertools.product(*axes))
+
+
+def row_value(value: Any) -> Any:
+    """A value of a parameter as rows have it: a distribution as text."""
+    return str(value) if isinstance(value, Distribution) else value
 
 
 def draw_seed(words: Words, generator: Any) -> Any:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import tomlkit
 from pydantic import ValidationError
 
 from agents.catalogue import from_file
@@ -17,8 +16,9 @@ from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.spec import Options, Spec
 from app.strict_table import StrictTable
 from app.studies.key_lines import KeyLocations, name_in_refusal
+from app.studies.moments import moment_axis, spec_with
 from app.studies.sweeps.designs import Point, find_file, points_of
-from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
+from app.studies.sweeps.sweep_cells import Basis, Cell
 from app.studies.sweeps.sweep_file import (
     MOST_CELLS,
     Condition,
@@ -27,6 +27,7 @@ from app.studies.sweeps.sweep_file import (
     RunOptions,
     SweepFile,
     comparison,
+    file_text,
 )
 from app.studies.sweeps.sweep_job import (
     HEADS,
@@ -38,6 +39,7 @@ from app.studies.sweeps.sweep_job import (
     measure_of,
 )
 from worlds.input_error import InputError, error_of_lines, needed, unknown
+from worlds.number_text import counted
 from worlds.text_file import read_text, toml
 
 MOST_FAULTS = 20
@@ -125,7 +127,7 @@ def sweep_of(
         tell(f"checking {len(points)} cells ...")
     for number, (design, point) in enumerate(points, 1):
         try:
-            cells.append(basis.cell(spec_of(base, point), point, design))
+            cells.append(basis.cell(spec_with(base, point), point, design))
         except InputError as refusal:
             same = design, str(refusal)
             if same not in faults:
@@ -134,13 +136,24 @@ def sweep_of(
                 break
     if faults:
         raise error_of_lines(list(faults.values()))
-    text = places.text or tomlkit.dumps(values)
+    text = places.text or file_text(values)
     sweep = Sweep(file, places, folder, base, making, cells, text)
     check_precision(sweep)
     for record in file.record:
         for cell in cells:
             is_recorded(record, cell)
+    if tell is not None:
+        tell_redrawn(cells, tell)
     return sweep
+
+
+def tell_redrawn(cells: list[Cell], tell: Callable[[str], Any]) -> None:
+    """Say of the cell where most numbers were drawn again that they were, and of how many more."""
+    redrawn = [cell for cell in cells if cell.redrawn]
+    if redrawn:
+        worst = max(redrawn, key=lambda cell: cell.redrawn)
+        more = f" (fewer in {counted(len(redrawn) - 1, 'more cell')})" if redrawn[1:] else ""
+        tell(f"flockscope: {worst.warning}{more}")
 
 
 def explain_refusal(
@@ -148,6 +161,8 @@ def explain_refusal(
 ) -> str:
     """A refusal with the place of the axis that it is about, or of the run's own key."""
     word = name_in_refusal(refusal)
+    moments = [axis for axis in point if axis.rpartition(".")[0] == word and moment_axis(axis)]
+    word = word if word in point or not moments else moments[0]
     if word in point:
         at = places.describe(word, "design.axes", design)
     else:
@@ -247,7 +262,7 @@ def first_flock(base: Spec, points: list[tuple[int, Point]], places: KeyLocation
     """The flock of the first cell. Raises InputError."""
     design, point = points[0]
     try:
-        return Flock(spec_of(base, point).but(seed=1))
+        return Flock(spec_with(base, point).but(seed=1))
     except InputError as refusal:
         raise InputError(explain_refusal(str(refusal), design, point, 1, places)) from None
 

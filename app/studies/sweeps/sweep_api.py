@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from agents.individuals import Distribution, as_distribution
 from agents.spec import Spec
 from app.studies.key_lines import KeyLocations
 from app.studies.sweeps.checked_sweep import Sweep, read_sweep, sweep_of
@@ -17,7 +18,7 @@ from app.studies.sweeps.sweep_file import RunOptions
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import run_sweep
 from app.studies.workers.process_executor import cores
-from worlds.input_error import InputError
+from worlds.input_error import InputError, shorten
 
 TEMPORARY: list[tempfile.TemporaryDirectory[str]] = []
 """Folders that are gone with this process."""
@@ -46,6 +47,7 @@ def sweep(
     what: a FILE.toml, which says all the rest; or the name of a model; or a `Spec`.
     vary: the axes by name, each a list, an array, or a dictionary with `from`, `to`, `count` (or
         `step`) and, if wanted, `scale = "log"`. Every value is run with every value of the others.
+        `s.mean` and `s.spread` are axes where agents differ in `s`.
     runs: runs of each cell, with the seeds 1, 2, ...
     ticks: ticks of a run, at most.
     observe: observables by name, or as a table [[observe]] of a file has them, such as
@@ -56,13 +58,13 @@ def sweep(
         are gone with this process.
     workers: processes, by default as many as there are cores.
     tell: hears what is compiled, how many runs there are, and of versions that have changed.
-    words: options and parameters of all runs, as `Flock` takes them.
+    words: options and parameters of all runs, as `Flock` takes them; distributions, too.
 
     Raises InputError for whatever cannot be run, before anything is. A run that raises is a row
     with the status `failed`.
     """
     axes = {
-        name: axis if isinstance(axis, Mapping) else plain_value(list(axis))
+        name: axis if isinstance(axis, Mapping) else axis_values(name, axis)
         for name, axis in (vary or {}).items()
     }
     design = {"kind": "grid", "where": where, "axes": axes} if vary else None
@@ -142,7 +144,25 @@ def spec_table(spec: Spec) -> dict[str, Any]:
             "file and name that"
         )
     values = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
+    values["parameters"] |= values.pop("individuals")
     return {key: plain_value(value) for key, value in values.items()}
+
+
+def axis_values(name: str, axis: Any) -> list[Any]:
+    """The values of an axis as a file has them, distributions as text. Raises InputError.
+
+    >>> from agents.individuals import one_of
+    >>> axis_values("s", [3, one_of(2, 4), [2.5, 3.5]])
+    [3, 'one_of(2, 4)', 'each(2.5, 3.5)']
+    """
+    if isinstance(axis, str) or not isinstance(axis, Iterable):
+        text = str(axis) if isinstance(axis, Distribution) else shorten(axis)
+        raise InputError(f"{name} = {text} is not allowed as an axis: a list of values is needed")
+    values = [plain_value(value) for value in axis]
+    return [
+        value if found is None else found.to_text()
+        for value, found in zip(values, map(as_distribution, values), strict=True)
+    ]
 
 
 def axis_bounds(axis: Any) -> Any:
@@ -153,14 +173,16 @@ def axis_bounds(axis: Any) -> Any:
     """
     if isinstance(axis, Mapping):
         return dict(axis)
-    values = plain_value(list(axis))
+    values = axis_values("axis", axis)
     if len(values) == 2 and all(isinstance(end, int | float) for end in values):
         return {"from": float(values[0]), "to": float(values[1])}
     return values
 
 
 def plain_value(value: Any) -> Any:
-    """Arrays and NumPy's numbers as Python's own."""
+    """Arrays, NumPy's numbers and distributions as a file has them."""
+    if isinstance(value, Distribution):
+        return value.to_value()
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):

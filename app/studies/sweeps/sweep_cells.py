@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from agents.flock import Flock
-from agents.spec import OPTIONS, Spec, changed_versions, versions
+from agents.spec import Spec, changed_versions, versions
 from app.strict_table import Value
 from app.studies.runs.store import canonical
 from app.studies.sweeps.sweep_job import SweepJob
@@ -32,6 +32,10 @@ class Cell:
     """The run with nothing left open, and how it is measured."""
     basis: dict[str, Any]
     """What else its numbers depend on: versions, code, world."""
+    redrawn: int = 0
+    """Numbers of agents that were drawn again in the run of the first seed."""
+    warning: str = ""
+    """What that run warns of."""
 
     @cached_property
     def hash(self) -> str:
@@ -58,13 +62,6 @@ class Cell:
         )
 
 
-def spec_of(base: Spec, axes: Mapping[str, Value]) -> Spec:
-    """A run with other options and parameters. Raises InputError."""
-    options = {name: value for name, value in axes.items() if name in OPTIONS or name == "model"}
-    others = {name: value for name, value in axes.items() if name not in options}
-    return base.but(**options, parameters={**base.parameters, **others})
-
-
 class Basis:
     """What numbers depend on beside the run itself; what cells share is found once."""
 
@@ -79,7 +76,10 @@ class Basis:
         """The cell of a run, which is built for it. Raises InputError."""
         flock = Flock(spec.but(seed=self.seed))
         run, until = flock.options, self.making.until
-        values = run.model_dump(exclude={*OPEN, "world", "size", "dim", "parameters"})
+        left = {*OPEN, "world", "size", "dim", "parameters"}
+        if not run.individuals:  # runs whose agents are alike are known as before there were others
+            left.add("individuals")
+        values = run.model_dump(exclude=left)
         identity = {
             "spec": values
             | {
@@ -104,7 +104,8 @@ class Basis:
             "how a flock starts": digest.hexdigest()[:12],
             **{f"the measure {name}": measure for name, measure in self.measures.items()},
         }
-        return Cell(spec, axes, design, identity, basis)
+        redrawn = sum(flock.redrawn.values())
+        return Cell(spec, axes, design, identity, basis, redrawn, flock.warning)
 
     def world(self, spec: Spec, world: World) -> str:
         """A hash of the world of a run; where it has a name, name and size say which it is."""

@@ -8,11 +8,13 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
+import tomlkit
 from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_validator
 
 from agents.spec import LARGEST_SEED, Options
-from app.strict_table import Line, StrictTable, Value
+from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
+from app.studies.moments import ByAxis
 from worlds.input_error import InputError, unknown
 
 # Comparisons that a file may make: between axes, and of an observable with a number; no code.
@@ -87,7 +89,8 @@ def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
             parts = [left, *others]
         case ast.Constant(value=bool() | int() | float() | str()):
             return
-        case ast.Name(id=name):
+        case ast.Name() | ast.Attribute(value=ast.Name()):
+            name = ast.unparse(node)
             if name not in axes:
                 raise unknown("axis", name, axes, repr(text))
             return
@@ -116,8 +119,8 @@ def value(node: ast.AST, values: Mapping[str, Any]) -> Any:
             return all(COMPARED[type(op)](pair, other) for pair, op, other in pairs)
         case ast.Constant(value=one):
             return one
-        case ast.Name(id=name):
-            return values[name]
+        case ast.Name() | ast.Attribute():  # of `s.spread`
+            return values[ast.unparse(node)]
     raise AssertionError(node)
 
 
@@ -162,6 +165,49 @@ def comparison(text: str) -> ObservableBound:
     )
 
 
+# The text of a file that says what a command line or a script asks for.
+
+BY_NAME = ("axes", "at", "parameters")
+"""Tables whose keys are names of axes and parameters."""
+
+
+def file_text(values: Mapping[str, Any]) -> str:
+    """Values as a TOML file, names in their order: the order of axes is that of the cells.
+
+    >>> print(file_text({"axes": {"s.spread": {"from": 0, "to": 1}, "r": [1, 2]}}), end="")
+    [axes]
+    "s.spread" = {from = 0, to = 1}
+    r = [1, 2]
+    """
+    return tomlkit.dumps(with_inline_tables(values))
+
+
+def with_inline_tables(value: Any) -> Any:
+    """Values in which what stands under a name is one line, as a table it would come after all
+    others."""
+    if isinstance(value, list):
+        return [with_inline_tables(item) for item in value]
+    if not isinstance(value, Mapping):
+        return value
+    tables: dict[str, Any] = {}
+    for key, item in value.items():
+        if key in BY_NAME and isinstance(item, Mapping):
+            table = tomlkit.table()
+            for name, entry in item.items():
+                table.add(name, inline(entry) if isinstance(entry, Mapping) else entry)
+            tables[key] = table
+        else:
+            tables[key] = with_inline_tables(item)
+    return tables
+
+
+def inline(values: Mapping[str, Any]) -> Any:
+    """Values as a table in one line."""
+    table = tomlkit.inline_table()
+    table.update(values)
+    return table
+
+
 MOST_CELLS = 1_000_000
 MOST_TICKS = 10**9
 EVERY = re.compile(r"every ([1-9][0-9]{0,8})")
@@ -183,7 +229,7 @@ class RunOptions(StrictTable, Options):
     )
     """Seconds of the clock after which a run is killed; None: as long as it takes. Files of earlier
     versions say `seconds`."""
-    parameters: dict[str, Value] = Field(default_factory=dict)
+    parameters: dict[str, ParameterValue] = Field(default_factory=dict)
 
 
 class Stop(StrictTable):
@@ -234,14 +280,14 @@ class GridDesign(Design):
     """Every value of an axis with every value of the others."""
 
     kind: Literal["grid"] = "grid"
-    axes: dict[str, Axis] = Field(min_length=1)
+    axes: ByAxis[Axis] = Field(min_length=1)
 
 
 class ListDesign(Design):
     """Cells one by one: rows of the file, or of a CSV beside it."""
 
     kind: Literal["list", "csv"]
-    rows: list[dict[str, Value]] = Field(default_factory=list)
+    rows: list[ByAxis[Value]] = Field(default_factory=list)
     file: str = ""
     """A CSV whose first line names the axes."""
 
@@ -255,7 +301,7 @@ class ListDesign(Design):
 class SampleDesign(Design):
     """What samples have: bounds of axes, and a seed of their own."""
 
-    axes: dict[str, Axis] = Field(min_length=1)
+    axes: ByAxis[Axis] = Field(min_length=1)
     seed: int = Field(default=1, ge=0, le=2**32 - 1)
 
     @field_validator("axes")

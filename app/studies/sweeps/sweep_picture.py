@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -10,16 +10,31 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from agents.flock import Flock
+from agents.models.declare import DeclaredParameter
 from app.figure import ENDINGS, NAMED, new_figure, write_figure
 from app.studies.charts.axis_limits import column_bounds, measure_limits, parameter_bounds
 from app.studies.charts.colour_table import CENSORED, COLOURS, FAILED
 from app.studies.charts.mean_line import FEW, draw_lines, draw_sample, mark_missing
 from app.studies.charts.run_group import CellRuns, is_number, label, values_of, varied_axes
-from app.studies.charts.scaling import CUMULANT, SIZE, Scaling, draw_scaling, group_by_size
+from app.studies.charts.scaling import (
+    CUMULANT,
+    SIZE,
+    Scaling,
+    draw_scaling,
+    group_by_size,
+    plain_text,
+)
 from app.studies.charts.value_map import draw_map, place_cells
 from app.studies.measure import UNBOUNDED, MeasureBounds
+from app.studies.moments import moment_axis, moment_label
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.sweep_table import groups_of, measured_columns, places_of, spec_at
+from app.studies.sweeps.sweep_table import (
+    groups_of,
+    measured_columns,
+    model_of,
+    places_of,
+    spec_at,
+)
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted
@@ -99,16 +114,22 @@ class SweepChart:
 
     def axis_bounds(self, axis: str) -> MeasureBounds:
         """Of an axis of the sweep, by the model that is run."""
-        cells = self.kept.cells.values()
-        models = {str(cell["identity"]["spec"].get("model", "")) for cell in cells}
-        return parameter_bounds(models.pop() if len(models) == 1 else "", axis)
+        return parameter_bounds(model_of(self.kept), axis)
+
+    def name_axis(self, put: Callable[..., Any], axis: str) -> None:
+        """Name an axis of the sweep along an axis of the picture, which `put` labels."""
+        label = moment_label(model_of(self.kept), axis, mathtext_symbol)
+        if label:
+            put(label, parse_math=True)
+        else:
+            put(axis)
 
     def draw_lines(self, x: str) -> None:
         """Draw means over an axis."""
         self.figure.set_size_inches(7.2, 4.8)
         axes = self.figure.subplots()
         draw_lines(axes, self.groups, x, self.axis_bounds(x), self.bounds)
-        axes.set_xlabel(x)
+        self.name_axis(axes.set_xlabel, x)
         axes.set_ylabel(f"{self.name}, mean and 95 % interval")
         if axes.get_legend_handles_labels()[0]:
             axes.legend(fontsize=9)
@@ -128,8 +149,8 @@ class SweepChart:
         signs = axes.get_legend_handles_labels()[0]
         if signs:
             self.figure.legend(handles=signs, loc="outside lower right", ncols=2, fontsize=9)
-        axes.set_xlabel(x)
-        axes.set_ylabel(y)
+        self.name_axis(axes.set_xlabel, x)
+        self.name_axis(axes.set_ylabel, y)
 
     def draw_scaling(self, x: str, where: str, by: Scaling | None) -> None:
         """Draw the panels of finite-size scaling that the sweep has. Raises InputError."""
@@ -142,6 +163,9 @@ class SweepChart:
         panels = list(self.figure.subplots(1, across, squeeze=False)[0])
         mark_missing(panels[0], self.groups, x)
         draw_scaling(panels, self.name, lines, cumulants, x, by, self.axis_bounds(x))
+        if moment_axis(x):
+            for panel in panels[: 1 + bool(cumulants)]:
+                self.name_axis(panel.set_xlabel, x)
 
     def draw_samples(self, axes: list[str]) -> None:
         """Draw the mean of each cell over each axis, a panel for each of the first."""
@@ -152,7 +176,7 @@ class SweepChart:
         panels = self.figure.subplots(rows, across, squeeze=False, sharey=True).ravel()
         for panel, axis in zip(panels, panel_axes, strict=False):
             draw_sample(panel, self.groups, axis, self.axis_bounds(axis), self.bounds)
-            panel.set_xlabel(axis)
+            self.name_axis(panel.set_xlabel, axis)
         for panel in panels[len(panel_axes) :]:
             panel.set_visible(False)
         for row in range(rows):
@@ -164,6 +188,17 @@ class SweepChart:
         axes = self.figure.subplots()
         draw_distributions(axes, self.groups, self.bounds)
         axes.set_xlabel(self.name)
+
+
+def mathtext_symbol(parameter: DeclaredParameter) -> str:
+    """The symbol of a parameter for matplotlib; its name where that cannot set it."""
+    from matplotlib.mathtext import MathTextParser
+
+    try:
+        MathTextParser("path").parse(f"${parameter.symbol}$")
+    except ValueError:
+        return plain_text(parameter.name)
+    return f"${parameter.symbol}$"
 
 
 def choose_kind(groups: list[CellRuns], axes: list[str]) -> Kind:

@@ -265,7 +265,7 @@ def prepare(sweep: Sweep, tell: Tell | None) -> None:
     reported: set[str] = set()
     for cell in chosen.values():
         flock = Flock(cell.spec.but(seed=sweep.file.replicates.first))
-        if flock.warning and tell is not None and flock.warning not in reported:
+        if flock.passing and tell is not None and flock.warning not in reported:
             reported.add(flock.warning)
             tell(f"flockscope: {flock.warning}")
         compile_loop(flock, tell)

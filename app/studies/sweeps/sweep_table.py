@@ -9,10 +9,10 @@ from typing import Any
 
 from agents.spec import Spec
 from app.studies.charts.run_group import CellRuns
+from app.studies.moments import spec_with
 from app.studies.runs.database import BROKEN, FIXED
 from app.studies.runs.store import is_locked
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.sweep_cells import spec_of
 from app.studies.sweeps.sweep_file import Condition
 from app.studies.sweeps.sweep_job import HEADS
 from worlds.file_writer import csv_text, writing
@@ -123,6 +123,12 @@ def axes_of(reader: StoreReader) -> list[str]:
     return axes
 
 
+def model_of(reader: StoreReader) -> str:
+    """The model that all cells run; "" where they run several."""
+    models = {str(cell["identity"]["spec"].get("model", "")) for cell in reader.cells.values()}
+    return models.pop() if len(models) == 1 else ""
+
+
 def places_of(reader: StoreReader) -> dict[int, int]:
     """The place of each cell in the plan, from 1."""
     return {number: place for place, number in enumerate(reader.cells, 1)}
@@ -182,7 +188,7 @@ def spec_at(reader: StoreReader, place: int, seed: int) -> Spec:
             f"{str(reader.folder)!r} is no sweep but a paper's table: its runs have no spec"
         )
     base = Spec.from_toml(state["base"], f"base of {reader.folder}")
-    return spec_of(base, cells[place - 1]["axes"]).but(seed=seed)
+    return spec_with(base, cells[place - 1]["axes"]).but(seed=seed)
 
 
 # The runs of a sweep cell by cell, for charts and tables of means.

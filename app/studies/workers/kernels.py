@@ -6,6 +6,8 @@ import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from agents.individuals import uniform
+
 if TYPE_CHECKING:
     from agents import Flock
     from agents.spec import Spec
@@ -23,7 +25,11 @@ def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
 def single_agent_spec(flock: Flock) -> Spec:
     """The run of one agent that takes the same kernels."""
     options = {"agents": 1, "informed": None, "spacing": None, "seed": 0, "start": "random"}
-    return flock.options.but(world=flock.world, **options)
+    # What is drawn is no matter, but that agents have their own makes another kernel.
+    shared = flock.parameters.model_dump()
+    own = {name: uniform(shared[name], shared[name]) for name in flock.individuals}
+    alone = flock.options.but(world=flock.world, individuals={}, **options)
+    return alone.with_parameters(shared | own)
 
 
 def compile_measures(flock: Flock) -> None:

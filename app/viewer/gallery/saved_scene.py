@@ -16,7 +16,10 @@ from typing import Any
 import tomlkit
 
 from agents.catalogue import model as find_model
+from agents.individuals import Distribution, split_individuals
 from agents.models.declare import checked
+from agents.models.model import Model
+from agents.observables.of_agents import own_name
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
 from app.viewer.gallery.scene_steps import SceneStep, read_steps
@@ -98,7 +101,9 @@ class SavedScene:
             fields["plots"] = list(self.plots)
         fields["run"] = dict(run)
         if self.beside is not None:
-            fields["beside"] = {"model": self.beside.model, "parameters": self.beside.parameters}
+            own = {name: one.to_value() for name, one in self.beside.individuals.items()}
+            parameters = self.beside.parameters | own
+            fields["beside"] = {"model": self.beside.model, "parameters": parameters}
         if self.look:
             fields["look"] = dict(self.look)
         if self.steps:
@@ -201,7 +206,9 @@ def read_run(values: dict[str, Any], origin: str) -> CompleteSpec:
         raise unknown("world", spec.world, layout_names())
     if not isinstance(parameters, dict):
         raise InputError(f"parameters = {shorten(parameters)} is not a table")
-    checked(model.parameters, parameters, origin)
+    shared, individuals = split_individuals(parameters)
+    checked(model.parameters, shared, origin)
+    model.demand_individual(individuals)
     complete = preset_spec(**{**dict(spec), "parameters": parameters})
     demand_bounded(complete)
     return complete
@@ -238,7 +245,9 @@ def read_compared(values: dict[str, Any], origin: str) -> Spec | None:
         if key not in ("model", "parameters"):
             raise unknown("key", key, ("model", "parameters"), "beside")
     spec = Spec.from_values(values, origin)
-    checked(find_model(spec.model).parameters, spec.parameters, "beside")
+    model = find_model(spec.model)
+    checked(model.parameters, spec.parameters, "beside")
+    model.demand_individual(spec.individuals)
     return spec
 
 
@@ -279,10 +288,16 @@ def read_look(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
     for name, value in values.items():
         if name not in LOOKS:
             raise unknown("look", name, LOOKS)
-        if name == "colour" and value in find_model(spec.model).columns:
+        if name == "colour" and is_own_colour(value, find_model(spec.model)):
             continue
         demand_offered(name, value, LOOKS[name])
     return values
+
+
+def is_own_colour(value: Any, model: Model) -> bool:
+    """Whether only agents of this model can be coloured by it: what they tell, or their own
+    numbers, which stay chosen while all are alike."""
+    return value in model.columns or value in map(own_name, model.individual)
 
 
 def demand_offered(name: str, value: Any, control: Control) -> None:
@@ -352,6 +367,7 @@ def unpack_scene(text: str) -> SavedScene:
 # A scene in the words of the command line and of Python.
 
 DRAWN = "its world was changed: save the scene as a file and run"
+GIVEN = "agents were given numbers one by one: save the scene as a file and run"
 
 
 def command_line(scene: SavedScene) -> str:
@@ -363,6 +379,8 @@ def command_line(scene: SavedScene) -> str:
     spec = scene.spec
     if isinstance(spec.world, World):
         return f"flockscope lab scene.toml  # {DRAWN} this"
+    if any(one.kind == "each" for one in spec.individuals.values()):
+        return f"flockscope lab scene.toml  # {GIVEN} this"
     words = [spec.model] + ([] if scene.beside is None else ["--beside", scene.beside.model])
     for name, value in options(spec).items():
         words += [f"--{name.replace('_', '-')}", shell_value(value)]
@@ -384,14 +402,16 @@ def python(scene: SavedScene) -> str:
     flock.run(100)
     """
     spec = scene.spec
-    if isinstance(spec.world, World):
+    given = any(one.kind == "each" for one in spec.individuals.values())
+    if isinstance(spec.world, World) or given:
         code = 'flock = Flock(Spec.read("spec.toml"))\nflock.run(100)'
-        why = "# its world was changed: download its spec first"
-        return f"{why}\nfrom flockscope import Flock, Spec\n\n{code}"
+        why = "agents were given numbers one by one" if given else "its world was changed"
+        return f"# {why}: download its spec first\nfrom flockscope import Flock, Spec\n\n{code}"
     values = {**options(spec), **dict(changed(spec))}
-    arguments = "".join(f", {name}={value!r}" for name, value in values.items())
+    names = ["Flock", *sorted({one.kind for one in spec.individuals.values()})]
+    arguments = "".join(f", {name}={python_value(value)}" for name, value in values.items())
     code = f'flock = Flock("{spec.model}"{arguments})\nflock.run(100)'
-    return f"from flockscope import Flock\n\n{code}"
+    return f"from flockscope import {', '.join(names)}\n\n{code}"
 
 
 def options(spec: Spec) -> dict[str, Any]:
@@ -406,13 +426,23 @@ def options(spec: Spec) -> dict[str, Any]:
 
 
 def changed(spec: Spec) -> list[tuple[str, Any]]:
-    """The parameters that are not at their defaults."""
+    """The parameters that are not at their defaults, or differ from agent to agent."""
     usual = find_model(spec.model or DEFAULT).parameters().model_dump()
-    return [(name, value) for name, value in spec.parameters.items() if usual.get(name) != value]
+    values = spec.all_parameters
+    return [(name, value) for name, value in values.items() if usual.get(name) != value]
 
 
 def shell_value(value: Any) -> str:
     """A value on a command line."""
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, Distribution):
+        return ":".join([value.kind, *map(shell_value, value.numbers)])
     return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def python_value(value: Any) -> str:
+    """A value in a script."""
+    if isinstance(value, Distribution):
+        return f"{value.kind}({', '.join(map(repr, value.numbers))})"
+    return repr(value)

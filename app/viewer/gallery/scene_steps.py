@@ -16,6 +16,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_validator
 
 from agents.catalogue import model as find_model
+from agents.individuals import moved
 from agents.models.declare import NumberParameter, checked, declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
@@ -271,12 +272,17 @@ def own_parameters(step: SceneStep) -> dict[str, float]:
 
 
 def step_spec(spec: CompleteSpec, step: SceneStep) -> CompleteSpec:
-    """The run of a step: the scene's, with what the step sets. Raises InputError."""
+    """The run of a step: the scene's, with what the step sets. Raises InputError.
+
+    Where agents differ it is their centre that is set, as by a slider.
+    """
     options: dict[str, Any] = {name: step.set[name] for name in RUN_OPTIONS if name in step.set}
     if "agents" in options:
         options["agents"] = int(options["agents"])
-    parameters = {**spec.parameters, **own_parameters(step)}
-    return spec.with_values(**options, parameters=parameters)
+    parameters = spec.all_parameters
+    for name, value in own_parameters(step).items():
+        parameters[name] = moved(parameters.get(name), value)
+    return spec.with_parameters(parameters, **options)
 
 
 def demand_measure(step: SceneStep, known: Collection[str], place: str) -> None:

@@ -51,6 +51,7 @@ from app.viewer.lab.sweeps.laboratory_sweeps import SweepRequestHandler, Sweeps,
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRuns
 from app.viewer.measuring.observable_curves import chart_title
+from app.viewer.panels.differences import DifferencesPanel
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.sending import ExportPermit
@@ -231,6 +232,7 @@ class Laboratory:
         with tabs.add_tab("Rule"):
             self.rule_source = RuleSource(gui)
             self.parameters = ParametersPanel(gui, self.simulation)
+            self.differences = DifferencesPanel(gui, self.simulation, self.parameters)
             marks = gui.add_html("")
             self.rule_source.add(gui)
         with tabs.add_tab("Setup"):
@@ -625,6 +627,7 @@ class Laboratory:
         if self.fit_panel is not None:
             self.fit_panel.refresh(state)
         self.parameters.refresh(state)
+        self.differences.refresh(state)
         self.rule_source.refresh(state.spec.model)
         if self.sweep is not None:
             self.sweep.refresh(state, self.plots.offered, self.parameters.controls)
@@ -635,7 +638,7 @@ class Laboratory:
         self.measure(state, frame, readings)
         if self.pointing is None:  # else another flock, whose look is there already, is coming
             self.view.set_defaults(drawing_defaults(state.spec))
-            self.view.fit(frame, measurable(MODELS[state.spec.model].columns))
+            self.view.fit(frame, measurable(MODELS[state.spec.model].columns, frame.own))
         self.monitors.colours(look, frame)
         for client in self.server.get_clients().values():
             self.sight_lines.show(client, self.scene.in_sight(client))

@@ -439,7 +439,7 @@ class BrowserCapture:
         known = {
             name: one for name, one in state.values.items() if name in model.parameters.model_fields
         }
-        now = WatchedFlock(model, model.parameters.model_construct(**known), state.spec.seed, frame)
+        now = WatchedFlock(model, known, state.spec.seed, frame)
         return Shot(now, picture(frame, look, Stage.of(frame)))
 
     def aspect(self) -> float:

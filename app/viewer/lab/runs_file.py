@@ -20,6 +20,7 @@ import numpy as np
 
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world, is_built_in
+from agents.individuals import Distribution, split_individuals
 from agents.models.declare import checked
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
@@ -64,8 +65,8 @@ def spec_of(one: RunConditions) -> CompleteSpec:
     if len(sides) == 1 and is_built_in(world, one.seed):
         where = {"world": world.name, "size": float(world.size[0])}
     values = {name: value for name, value in one.parameters.items() if value is not SEVERAL}
-    return one.asked.with_values(
-        **where, layout=None, dim=world.dim, start="random", versions={}, parameters=values
+    return one.asked.with_parameters(
+        values, **where, layout=None, dim=world.dim, start="random", versions={}
     )
 
 
@@ -81,7 +82,11 @@ def run_values(run: KeptRun, key: str) -> dict[str, Any]:
             row["spec"] = tomllib.loads(spec_of(one).to_toml())
             row["world"] = one.world.name  # a scene calls it otherwise where it is built in
             world = one.world
-        row |= {"agents": one.agents, "parameters": dict(one.parameters), "by hand": one.by_hand}
+        parameters = {
+            name: value.to_value() if isinstance(value, Distribution) else value
+            for name, value in one.parameters.items()
+        }
+        row |= {"agents": one.agents, "parameters": parameters, "by hand": one.by_hand}
         stretches.append(row)
     curves = {
         name: [rounded(at), rounded(values)] for name, (at, values) in run.course.curves.items()
@@ -224,7 +229,8 @@ def conditions_of(
     if not isinstance(given, dict):
         raise InputError("parameters is no object")
     known = {name: value for name, value in given.items() if value is not SEVERAL}
-    parameters = checked(model.parameters, known).model_dump()
+    shared, individuals = split_individuals(known)
+    parameters = checked(model.parameters, shared).model_dump() | individuals
     parameters |= {name: SEVERAL for name, value in given.items() if value is SEVERAL}
     return RunConditions(
         model,

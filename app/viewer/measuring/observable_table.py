@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from agents.individuals import Distribution
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Options
@@ -99,9 +100,13 @@ def conditions_at(
 
 
 def value_of(values: Mapping[str, object], name: str) -> object:
-    """The value of a condition, which of an option that was not chosen is its default."""
+    """The value of a condition, which of an option that was not chosen is its default.
+
+    A distribution is written as on a command line, as `normal(3, 0.5)`.
+    """
     if name in values or name not in Options.model_fields:
-        return values.get(name)
+        value = values.get(name)
+        return str(value) if isinstance(value, Distribution) else value
     return Options.model_fields[name].default
 
 

@@ -38,6 +38,7 @@ class RunConditions:
     world: World
     options: Mapping[str, Any]
     parameters: Mapping[str, Any]
+    """Distributions where agents differ."""
     dt: float
     """Time that a tick stands for."""
     asked: CompleteSpec = field(compare=False)
@@ -57,7 +58,7 @@ class RunConditions:
             len(flock.ids),
             flock.world,
             flock.options.chosen,
-            flock.parameters.model_dump(),
+            flock.all_parameters,
             dt,
             flock.options,
             by_hand,

@@ -14,6 +14,7 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS, PLAYED
+from agents.individuals import Distribution
 from agents.models.declare import DeclaredParameter, NumberParameter, Parameters, declared
 from agents.models.model import Model
 from app.viewer.panels.dials import Dials, decimals, plain_symbol, step_of
@@ -134,8 +135,15 @@ class ParametersPanel:
             self.set_parameter(last.name, last.value, last.beside)
 
     def set_parameter(self, name: str, value: Any, beside: bool) -> Future:
-        """Give a parameter a value, and show it; on viser's thread."""
+        """Give a parameter a value or a distribution, and show it; on viser's thread."""
         answer = self.simulation.set(name, value, beside, self.models)
+        self.followed[name, beside].give(slider_value(value), answer)
+        return answer
+
+    def move_parameter(self, name: str, value: Any, beside: bool) -> Future:
+        """Give a parameter the value of a slider, about which agents keep their spread, and show
+        it; on viser's thread."""
+        answer = self.simulation.move(name, value, beside, self.models)
         self.followed[name, beside].give(value, answer)
         return answer
 
@@ -146,7 +154,7 @@ class ParametersPanel:
         for (name, beside), followed in self.followed.items():
             values = state.beside_values if beside else state.values
             if name in values:
-                followed.follow(values[name])
+                followed.follow(slider_value(values[name]))
 
     def rebuild(self, state: SimulationState) -> None:
         """Controls for the model's parameters, and for those that only the one beside it has."""
@@ -190,20 +198,27 @@ class ParametersPanel:
 
     def control(self, parameter: DeclaredParameter, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
+        value = slider_value(value)
         handle = add_control(self.gui, parameter, value)
         self.dials.add(parameter, handle)
         models = self.models
 
         def send(value: Any, _event: viser.GuiEvent) -> Future:
             self.remember_value(parameter.name, beside)
-            return self.simulation.set(parameter.name, value, beside, models)
+            return self.simulation.move(parameter.name, value, beside, models)
 
         def now() -> Any:
             state = self.simulation.state
-            return (state.beside_values if beside else state.values).get(parameter.name, value)
+            values = state.beside_values if beside else state.values
+            return slider_value(values.get(parameter.name, value))
 
         self.followed[parameter.name, beside] = FollowedValue(handle, send, now)
         return handle
+
+
+def slider_value(value: Any) -> Any:
+    """Where the slider of a parameter stands: at the centre of what differs."""
+    return value.centre if isinstance(value, Distribution) else value
 
 
 def add_control(gui: viser.GuiApi, parameter: DeclaredParameter, value: Any) -> Any:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from agents.models.declare import declared
+from agents.models.declare import declared, describe
+from agents.observables.of_agents import OWN
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, DIRECTIONS, MEASURED
@@ -46,14 +47,13 @@ def caption(shot: Shot) -> str:
 
 def changes(shot: Shot) -> str:
     """The parameters that are not as the model's paper has them; empty: all are."""
-    values = shot.now.parameters
     if shot.made.frame.seen is not None:
         return ""
+    values = shot.now.all_parameters
     found = [
-        f"{one.name} = {in_short(getattr(values, one.name))}"
-        + ("" if one.unit == "1" else f" {one.unit}")
+        f"{one.name} = {in_short(values[one.name])}" + ("" if one.unit == "1" else f" {one.unit}")
         for one in declared(shot.now.model.parameters)
-        if getattr(values, one.name) != one.default
+        if one.name in values and values[one.name] != one.default
     ]
     return ", ".join(found)
 
@@ -102,6 +102,11 @@ def coloured_by(shot: Shot) -> str:
     if look.colour != MEASURED:
         title = COLOURINGS[look.colour].title
         return look.colour if title is None else title
+    if look.measured.startswith(OWN):
+        name = look.measured.removeprefix(OWN)
+        fields = shot.now.model.parameters.model_fields
+        one = describe(name, fields[name]) if name in fields else None
+        return look.measured + ("" if one is None or one.unit == "1" else f" ({one.unit})")
     unit = shot.now.model.unit_of(look.measured) if look.measured in shot.now.model.columns else "1"
     return look.measured.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
 

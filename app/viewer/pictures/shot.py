@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from agents.inspection import shells
-from agents.models.declare import Parameters
 from agents.models.model import Model
-from agents.observables.of_agents import OF_AGENTS, measurable, measured
+from agents.observables.of_agents import measurable, measured
 from agents.observables.of_flocks import SAVED
 from agents.snapshot import Snapshot
 from agents.state.start import start_box
@@ -28,7 +28,8 @@ class WatchedFlock:
     """What a page knows of the flock that it shows: all that a picture says of it."""
 
     model: Model
-    parameters: Parameters
+    all_parameters: Mapping[str, Any]
+    """By name; distributions where agents differ."""
     seed: int | None
     frame: Frame
 
@@ -114,7 +115,10 @@ def look_of(now: Snapshot, colour: str | None) -> DrawingStyle:
 
 def colourings(now: Snapshot) -> tuple[str, ...]:
     """What the agents of a flock may be coloured by."""
-    return (*(name for name in COLOURINGS if name != MEASURED), *measurable(now.model.columns))
+    return (
+        *(name for name in COLOURINGS if name != MEASURED),
+        *measurable(now.model.columns, now.individuals),
+    )
 
 
 def shot(now: Snapshot, look: DrawingStyle, fastest: float = 0.0) -> Shot:
@@ -129,7 +133,8 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
     labels = COLOURINGS[look.colour].labels
     inner = shells(now)[:1]
     anyone: Any = now  # a snapshot answers as a flock does
-    known = by_number and (look.measured in OF_AGENTS or look.measured in now.model.columns)
+    offered = measurable(now.model.columns, now.individuals)
+    known = by_number and look.measured in offered
     return Frame(
         run=0,
         tick=now.tick,

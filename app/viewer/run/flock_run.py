@@ -12,6 +12,7 @@ import numpy as np
 
 from agents.engine.cache import is_at_hand
 from agents.flock import Flock
+from agents.individuals import Distribution
 from agents.models.declare import Parameters
 from agents.state.agent_rows import StrayAgents
 from app.viewer.measuring.flock_readings import FlockReadings
@@ -60,8 +61,12 @@ def nearest_allowed(flock: Flock, name: str, value: Any) -> Any:
     """The value nearest to the wanted one that keeps the zones in order.
 
     A zone that would pass another one ends where that one does. Zones that are out of order
-    already, as a spec may have them, are left alone. Raises InputError where no value will do.
+    already, as a spec may have them, are left alone. Of a distribution it is its centre that keeps
+    them: single agents may have a wider zone inside of a narrower one. Raises InputError where no
+    value will do.
     """
+    if isinstance(value, Distribution):
+        return value.about(nearest_allowed(flock, name, value.centre))
     now = flock.parameters
     before = radii(flock, now)
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -75,8 +80,10 @@ def nearest_allowed(flock: Flock, name: str, value: Any) -> Any:
     raise InputError(f"{name} = {value:g} would put the zones out of order: nothing is changed")
 
 
-def zone_notice(flock: Flock, name: str, value: float) -> str:
+def zone_notice(flock: Flock, name: str, value: Any) -> str:
     """What is told when a zone stops at another one."""
+    if isinstance(value, Distribution):
+        value = value.centre
     others = (
         f"{zone.name} ends at {value:g}"
         for zone in flock.model.rule.zones
@@ -109,7 +116,7 @@ class FlockRun:
         self.compiled = False
         """Whether the flock has run, so that its next tick need not be compiled."""
         self.warned = ""
-        """What was told of agents that go through what is solid."""
+        """What its flock has warned of, without the numbers."""
         self.astray: StrayAgents | None = None
         """The first agent that was seen where it cannot be."""
         self.troubles: list[Exception] = []
@@ -117,13 +124,18 @@ class FlockRun:
 
     @property
     def values(self) -> dict[str, Any]:
-        """The flock's parameters, name -> value."""
-        return self.flock.parameters.model_dump()
+        """The flock's parameters, name -> value; a distribution where agents differ."""
+        return self.flock.all_parameters
 
     @property
     def beside_values(self) -> dict[str, Any]:
         """The parameters that only the flock beside it has; it has none."""
         return {}
+
+    @property
+    def redrawn(self) -> dict[tuple[str, bool], int]:
+        """How many numbers were drawn again: see `SimulationState.redrawn`."""
+        return {(name, False): number for name, number in self.flock.redrawn.items()}
 
     @property
     def both(self) -> tuple[FlockRun, ...]:
@@ -163,13 +175,14 @@ class FlockRun:
 
     def set(self, name: str, value: Any, beside: bool = False) -> None:  # noqa: ARG002 - Pair's
         """Give a parameter a value. Raises InputError, and then changes nothing."""
-        before = self.values
+        before, loop = self.values, self.flock.loop
         self.flock.set(**{name: value})
         try:
             refuse_too_dense(self.flock)
         except InputError:
             self.flock.set(**before)
             raise
+        self.compiled = self.compiled and self.flock.loop is loop
 
     def change(self, change: Callable[[FlockRun], None]) -> None:
         """Carry out a change of this run, and note its conditions as they are from now on."""

@@ -39,8 +39,15 @@ class FlockRunBuilder:
         if isinstance(spec.world, World) and spec.world != flock.world:
             flock.change_world(spec.world)
             flock.position[:] = move_out(spec.world, flock.position)
-        if flock.parameters.model_dump() != spec.parameters:
-            flock.set(**spec.parameters)
+        now, then = flock.all_parameters, stored.spec.all_parameters
+        # What is as it was stored stays: of numbers by hand the state has later ones than its spec.
+        changed = {
+            name: value
+            for name, value in spec.all_parameters.items()
+            if now.get(name) != value and then.get(name) != value
+        }
+        if changed:
+            flock.set(**changed)
         return flock
 
     def run(

@@ -10,7 +10,9 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.inspection import Inspection, shells
+from agents.models.declare import Parameters
 from agents.observables.of_agents import OF_AGENTS, measured
+from agents.snapshot import Snapshot
 from agents.state.start import start_box
 from app.viewer.measuring.background_worker import BackgroundWorker, WorkThrottle
 from app.viewer.measuring.time_series import refuse_too_many_links
@@ -81,6 +83,8 @@ class FrameBuilder:
     fastest: float = 1e-12
     surveyed: object | None = None
     """The world whose boundary points are at hand."""
+    reached: tuple[Parameters, np.ndarray, np.ndarray] | None = None
+    """Parameters, shared and own, and how far agents that have them notice others."""
     warm: bool = False
     aside: BackgroundWorker = field(default_factory=BackgroundWorker)
     rate_limit: WorkThrottle = field(
@@ -100,6 +104,7 @@ class FrameBuilder:
         """A frame of the flock now; layers, groups and links are as last examined."""
         flock, now = self.flock, self.flock.snapshot()
         active = now.active
+        reaches = self.reaches_of(now)
         if now.world.has_gates and not np.array_equal(self.examined, now.ids):
             self.layer = self.group = self.links = self.measured = None  # of other rows
         self.fastest = max(self.fastest, float(np.max(now.speed, initial=0.0, where=active)))
@@ -107,7 +112,10 @@ class FrameBuilder:
             run=self.run,
             tick=now.tick,
             world=now.world,
-            reach=now.reach,
+            reach=now.reach if reaches is None else float(reaches.max(initial=0.0)),
+            reaches=reaches,
+            own=now.own,
+            individuals=now.individuals,
             speed_scale=self.fastest,
             position=now.position,
             heading=now.heading,
@@ -133,6 +141,20 @@ class FrameBuilder:
             form=flock.model.rule.form,
             cars=cars(flock),
         )
+
+    def reaches_of(self, now: Snapshot) -> np.ndarray | None:
+        """How far each agent notices others, (N,), length; None where all do alike."""
+        if not now.individuals:
+            self.reached = None
+            return None
+        last = self.reached  # to find it takes a call for each agent
+        if (
+            last is None
+            or last[0] is not self.flock.parameters
+            or not np.array_equal(last[1], now.arrays.own)
+        ):
+            self.reached = last = self.flock.parameters, now.arrays.own, now.reaches
+        return last[2]
 
     def examine(self, at_once: bool = False) -> None:
         """Find what takes a look at the whole flock, if it is wanted and due, or `at_once`."""
@@ -190,7 +212,10 @@ class FrameBuilder:
 
 
 def distance_kept(flock: Flock) -> float:
-    """Radius of the innermost zone of a flock's rule, length; infinite where it has none."""
+    """Radius of the innermost zone of a flock's rule, length; infinite where it has none.
+
+    Where agents differ in it that of the centre: all are drawn of one size by it.
+    """
     inner = shells(flock)[:1]
     return inner[0].radius if inner else float("inf")
 

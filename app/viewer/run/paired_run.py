@@ -87,7 +87,9 @@ def companion(first: Flock, beside: Spec) -> Flock:
     """The flock of a second model, at the start of the first flock, to the bit.
 
     It has the world, seed, turns, noise and information agents of the first, and its values of
-    what the models share. A model that knows no information agents takes them for ordinary ones.
+    what the models share: where agents differ in that, each has the same number in both flocks, as
+    it is drawn by seed and identity. A model that knows no information agents takes them for
+    ordinary ones.
     Positions and headings are the same, and speeds where both bodies have free ones: agents of a
     body of one speed go at that, and beside them others begin as they do alone.
     Raises InputError, with the model's title, if it cannot be in this world or at these values.
@@ -95,13 +97,16 @@ def companion(first: Flock, beside: Spec) -> Flock:
     model = find_model(beside.model)
     if model is first.model:
         raise InputError(f"beside = {model.name!r} is the model itself: another one is needed")
-    values = first.parameters.model_dump()
+    values = first.all_parameters
     shared_values = {
         name: values[name] for name in shared_model_parameters(first.model.name, model.name)
     }
-    spec = first.options.but(
-        model=model.name, world=first.world, parameters=shared_values | beside.parameters
-    )
+    try:
+        spec: Spec = first.options.with_parameters(
+            shared_values | beside.all_parameters, model=model.name, world=first.world
+        )
+    except InputError as refusal:
+        raise InputError(f"{model.title}: {refusal}") from None
     arrays = None
     if spec.informed and not model.rule.led:
         arrays = {name: getattr(first, name) for name in ("position", "heading")}
@@ -145,6 +150,13 @@ class PairedRun(FlockRun):
         """The parameters that only the second flock has, name -> value."""
         values = self.second.values
         return {name: value for name, value in values.items() if name not in self.shared}
+
+    @property
+    def redrawn(self) -> dict[tuple[str, bool], int]:
+        """How many numbers were drawn again, of the second flock where only that has them."""
+        second = self.second.flock.redrawn.items()
+        own = {(name, True): number for name, number in second if name not in self.shared}
+        return super().redrawn | own
 
     def set_request(self, request: FrameRequest) -> None:
         """Change what frames hold; only the flock that is meant is looked at from close."""

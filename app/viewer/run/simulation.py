@@ -88,6 +88,22 @@ class Simulation(SimulationThread):
         key = f"set {name} {beside} {models}"
         return self.tell(lambda: self.set_now(name, value, beside, models), key)
 
+    def move(
+        self, name: str, value: Any, beside: bool = False, models: Models | None = None
+    ) -> Future:
+        """Give a parameter the value of a slider: as `set`, but where agents differ they keep their
+        spread about it."""
+        key = f"move {name} {beside} {models}"
+        return self.tell(lambda: self.move_now(name, value, beside, models), key)
+
+    def spread(
+        self, name: str, deviation: float, beside: bool = False, models: Models | None = None
+    ) -> Future:
+        """Let agents differ in a parameter normally about its value, by a standard deviation; 0:
+        all are alike. Else as `set`."""
+        key = f"spread {name} {beside} {models}"
+        return self.tell(lambda: self.spread_now(name, deviation, beside, models), key)
+
     def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> Future:
         """Put an agent somewhere and turn it."""
         return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -89,9 +90,12 @@ class SimulationState:
     agents: int = 0
     """Rows of the flock, information agents among them."""
     values: dict[str, Any] = field(default_factory=dict)
-    """The flock's parameters, name -> value."""
+    """The flock's parameters, name -> value; a distribution where agents differ."""
     beside_values: dict[str, Any] = field(default_factory=dict)
     """Those that only the flock beside it has."""
+    redrawn: Mapping[tuple[str, bool], int] = field(default_factory=dict)
+    """How many agents' numbers were drawn again, out of the range of their parameter: by its name
+    and whether it is of the flock beside."""
 
     @property
     def models(self) -> tuple[str, str | None]:
@@ -101,7 +105,7 @@ class SimulationState:
     def current_specs(self) -> tuple[CompleteSpec, Spec | None]:
         """This run, and what is beside it, with the parameters as they are now."""
         beside = self.beside
-        spec = self.spec.with_values(parameters=dict(self.values)) if self.values else self.spec
+        spec = self.spec.with_parameters(self.values) if self.values else self.spec
         if beside is not None and self.beside_values:
-            beside = beside.but(parameters=dict(self.beside_values))
+            beside = beside.with_parameters(self.beside_values)
         return spec, beside

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import queue
+import re
 import threading
 import time
 import traceback
@@ -19,6 +20,7 @@ import numpy as np
 
 from agents.catalogue import MODELS, PLAYED, from_file
 from agents.flock import Flock
+from agents.individuals import Distribution, moved, normal
 from agents.models.rule_file import describe_fault
 from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.flock_readings import FlockReadings
@@ -248,7 +250,7 @@ class SimulationThread:
         # A tick that is a little early is not left out for it, or every other one would be; frames
         # that commands ask for put none off.
         self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
-        self.warn_of_passing(self.run)
+        self.pass_warnings_on(self.run)
         trouble_count = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
         closely = not self.state.running and self.time_line.moved is None
@@ -315,6 +317,7 @@ class SimulationThread:
             agents=len(flock.ids),
             values=self.run.values,
             beside_values=self.run.beside_values,
+            redrawn=self.run.redrawn,
         )
 
     @staticmethod
@@ -486,13 +489,17 @@ class SimulationThread:
             raise InputError("there is no flock to run: press Setup")
         return self.run
 
-    def warn_of_passing(self, run: FlockRun) -> None:
-        """Tell of flocks whose agents go through what is solid, once for each setting."""
+    def pass_warnings_on(self, run: FlockRun) -> None:
+        """Tell what flocks warn of, once for each setting.
+
+        Numbers change with every move of a slider: for them alone nothing is told again.
+        """
         for flock_run in run.both:
             words = flock_run.flock.warning
-            if words and words != flock_run.warned:
+            subject = re.sub(r"[\d.]+", "", words)
+            if subject and subject != flock_run.warned:
                 self.notices.put(words)
-            flock_run.warned = words
+            flock_run.warned = subject
 
     def schedule(
         self,
@@ -532,8 +539,8 @@ class SimulationThread:
         spec, beside = self.state.current_specs()
         stored = under_new_rule(spec, run.flock.snapshot(), self.building.build)
         begun = self.state.stored
-        parameters = stored.run.parameters
-        spec = spec.with_values(parameters=parameters) if begun is None else stored.spec
+        parameters = stored.run.all_parameters
+        spec = spec.with_parameters(parameters) if begun is None else stored.spec
         self.measure_tick(spec, beside, min(TRIED, len(stored.now.ids)))
         self.next = spec, beside, stored
         self.set_up()
@@ -586,9 +593,30 @@ class SimulationThread:
             flock = run.second.flock if beside and run.second is not None else run.flock
             self.notices.put(zone_notice(flock, name, accepted))
         self.pace.reset_cost()
-        self.state = replace(self.state, values=run.values, beside_values=run.beside_values)
+        self.state = replace(
+            self.state,
+            values=run.values,
+            beside_values=run.beside_values,
+            redrawn=run.redrawn,
+        )
         self.stale = True
         return accepted
+
+    def move_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
+        before = self.value_now(name, beside, models)
+        return self.set_now(name, moved(before, value), beside, models)
+
+    def spread_now(self, name: str, deviation: float, beside: bool, models: Models | None) -> Any:
+        before = self.value_now(name, beside, models)
+        centre = before.centre if isinstance(before, Distribution) else before
+        value = normal(centre, deviation) if deviation else centre
+        return self.set_now(name, value, beside, models)
+
+    def value_now(self, name: str, beside: bool, models: Models | None) -> Any:
+        """The value of a parameter; 0 of models that run no longer, which nothing is set of."""
+        run = self.require_run()
+        is_other = models not in (None, self.state.models)
+        return 0.0 if is_other else (run.beside_values if beside else run.values)[name]
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
         place = free_place(self.require_run(), position)

@@ -169,22 +169,29 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
     """A flock as it is, to go on under the rule that its model has by now.
 
     Parameters that the rule still has keep their values where they are in their range; what agents
-    tell or remember is kept by its name, and all else is as at a start. Raises InputError.
+    tell or remember is kept by its name, and all else is as at a start. Raises InputError, also
+    where agents differ in what the rule lets them no longer.
     """
-    kept, parameters = {}, find_model(run.model).parameters
+    kept: dict[str, Any] = {}
+    model = find_model(run.model)
+    parameters = model.parameters
     for name in parameters.model_fields.keys() & run.parameters.keys():
         with suppress(InputError):
             kept[name] = getattr(checked(parameters, {name: run.parameters[name]}), name)
-    spec = run.with_values(world=now.world, layout=None, parameters=kept)
+    kept |= {name: one for name, one in run.individuals.items() if name in kept}
+    spec = run.with_parameters(kept, world=now.world, layout=None)
     flock = build(spec, start={"position": now.position, "heading": now.heading})
     arrays, columns = flock.arrays._asdict(), now.model.columns
     for name, array in now.arrays._asdict().items():
-        if name not in ("memory", "past") and array.shape == arrays[name].shape:
+        if name not in ("memory", "past", "own") and array.shape == arrays[name].shape:
             arrays[name] = array
     memory = arrays["memory"] = np.array(arrays["memory"])
     for row, name in enumerate(flock.model.columns):
         if name in columns:
             memory[row] = now.arrays.memory[columns.index(name)]
+    for name, column in now.own.items():
+        if name in flock.individuals:
+            arrays["own"][:, model.individual.index(name)] = column
     then = replace(flock.snapshot(), tick=now.tick, next_id=now.next_id, arrays=Arrays(**arrays))
     return InMemoryFlock(flock.spec, then)
 

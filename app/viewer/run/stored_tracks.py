@@ -147,7 +147,7 @@ def start_model(played: PlayedTracks, start: ModelStart) -> ModelFlock:
         arrays["speed"] = then.speed[rows] / (start.ticks_per_second if per_tick else 1.0)
     spec = Spec(
         model.name, world=world, agents=len(rows), informed=0, seed=1,
-        parameters=start.spec.parameters,
+        parameters=start.spec.all_parameters,
     )  # fmt: skip
     try:
         flock = ModelFlock(spec, start=arrays)

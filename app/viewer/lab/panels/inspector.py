@@ -13,12 +13,13 @@ import numpy as np
 import viser
 
 from agents.inspection import UNSEEN, Inspection
+from agents.models.declare import describe
 from agents.models.model import vector_name
 from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.agent_rows import CAUSES, Crashes
 from app.front.viser_internals import identifier
 from app.viewer.measuring import observable_format
-from app.viewer.panels.dials import set_visible
+from app.viewer.panels.dials import plain_symbol, set_visible
 from app.viewer.panels.shell import block, table
 from app.viewer.run.frame_builder import SAVED
 from app.viewer.scene.marks.inspection_marks import force_colours
@@ -34,7 +35,7 @@ MOST_NEIGHBOURS = 6
 LONGEST_NAME = 40
 """Letters of an individual's name in a file of tracks that are shown."""
 
-Fold = Literal["rest", "zones", "forces", "heard"]
+Fold = Literal["own", "rest", "zones", "forces", "heard"]
 
 
 def head(frame: Frame, inspection: Inspection) -> str:
@@ -52,6 +53,8 @@ def folds(frame: Frame, inspection: Inspection) -> dict[Fold, tuple[str, str]]:
     """The rest, each by what is written on it and the HTML in it; nothing of what there is not."""
     rest = dict(list(facts(frame, inspection).items())[FIRST:])
     texts: dict[Fold, tuple[str, str]] = {}
+    if own := own_facts(frame, inspection):
+        texts["own"] = own_title(frame, inspection.row), escaped_table(own)
     if rest:
         texts["rest"] = f"{counted(len(rest), 'more row')}", escaped_table(rest)
     if frame.is_down[inspection.row]:
@@ -103,6 +106,28 @@ def facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
     elif not np.any(np.asarray(inspection.weights) > 0.0) and not frame.is_down[inspection.row]:
         listed["listens to"] = "nobody"
     return listed | own
+
+
+def own_title(frame: Frame, row: int) -> str:
+    """An agent's own number of a parameter, or how many it has."""
+    if len(frame.own) > 1:
+        return f"{len(frame.own)} numbers of its own"
+    ((name, column),) = frame.own.items()
+    return f"Its own {name}: {column[row]:.4g}"
+
+
+def own_facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
+    """An agent's own parameters beside what those of all are drawn from, words -> value."""
+    listed: dict[str, str] = {}
+    for name, column in frame.own.items():
+        words, unit = name, ""
+        if inspection.model is not None:
+            one = describe(name, inspection.model.parameters.model_fields[name])
+            words = f"{one.words} {plain_symbol(one.symbol)}"
+            unit = "" if one.unit == "1" else f" {one.unit}"
+        among = f" of {frame.individuals[name]}" if name in frame.individuals else ""
+        listed[words] = f"{column[inspection.row]:.4g}{unit}{among}"
+    return listed
 
 
 def vector(parts: object) -> str:
@@ -227,7 +252,7 @@ def describe_listening(frame: Frame, inspection: Inspection) -> str:
 LOOKING = (
     '<div class="fs-quiet">Looking closer … a model is compiled for this the first time.</div>'
 )
-FOLDS: tuple[Fold, ...] = ("rest", "zones", "forces", "heard")
+FOLDS: tuple[Fold, ...] = ("own", "rest", "zones", "forces", "heard")
 """What is folded up at first, from the top down; each browser unfolds for itself."""
 WIDTH = 248
 

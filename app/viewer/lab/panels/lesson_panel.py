@@ -28,7 +28,7 @@ from app.viewer.lab.panels.step_progress import (
 )
 from app.viewer.measuring.observable_format import format_thousands
 from app.viewer.panels.followed_value import FollowedValue
-from app.viewer.panels.parameters import ParametersPanel, add_control
+from app.viewer.panels.parameters import ParametersPanel, add_control, slider_value
 from app.viewer.panels.shell import block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
@@ -185,14 +185,15 @@ class LessonPanel:
     def add_slider(self, parameter: NumberParameter) -> Any:
         """A slider that moves that of the Rule tab."""
         state, name = self.simulation.state, parameter.name
-        slider = add_control(self.gui, parameter, state.values.get(name, parameter.default))
+        value = slider_value(state.values.get(name, parameter.default))
+        slider = add_control(self.gui, parameter, value)
 
         def send(value: Any, _event: viser.GuiEvent) -> Future:
             self.parameters.remember_value(name, False)
-            return self.parameters.set_parameter(name, value, False)
+            return self.parameters.move_parameter(name, value, False)
 
         def now() -> Any:
-            return self.simulation.state.values.get(name, parameter.default)
+            return slider_value(self.simulation.state.values.get(name, parameter.default))
 
         self.followed[name] = FollowedValue(slider, send, now)
         return slider
@@ -278,7 +279,7 @@ class LessonPanel:
         """Follow the flock: sliders, and the run of the step."""
         for name, followed in self.followed.items():
             if name in state.values:
-                followed.follow(state.values[name])
+                followed.follow(slider_value(state.values[name]))
         self.judge()
         self.show_state()
 

@@ -108,8 +108,7 @@ class TryRunner:
             spec, beside = self.simulation.state.current_specs()
             options = {name: value for name, value in values.items() if name in OPTIONS}
             others = {name: value for name, value in values.items() if name not in OPTIONS}
-            parameters = {**spec.parameters, **others}
-            changed = spec.but(**options, parameters=parameters)
+            changed = spec.with_parameters(spec.all_parameters | others).but(**options)
             spec = complete_spec(changed, MODELS[spec.model])
             self.simulation.setup(spec, beside)
             self.setup.follow(spec, beside)

@@ -71,6 +71,8 @@ class RunPanel:
         spec, beside = self.setup.next_pairing(state)
         if MODELS[spec.model].body.unit != MODELS[before[0].model].body.unit:
             self.pace(lively_speed(spec))
+        if lost := self.setup.dropped_differences(state, (spec, beside)):
+            self.simulation.notices.put(lost)
         self.simulation.setup(spec, beside)
 
     def pace(self, speed: float, is_exact: bool = False) -> None:

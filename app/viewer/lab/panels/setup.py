@@ -10,6 +10,7 @@ import viser
 
 from agents.catalogue import MODELS, PLAYED
 from agents.conditions import Conditions
+from agents.individuals import Distribution
 from agents.models.model import Model
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Options, Spec
 from app.front.controls import set_value
@@ -153,9 +154,22 @@ class SetupPanel:
             set_value(self.seed, (self.seed.value + 1) % LARGEST_SEED)
         stays = spec.model == self.running[0].model
         if beside is not None and stays and (spec.model, beside.model) == state.models:
-            beside = beside.but(parameters=state.beside_values)
+            beside = beside.with_parameters(state.beside_values)
         values = state.values if stays else {}
-        return spec.with_values(seed=self.seed.value, parameters=values), beside
+        return spec.with_parameters(values, seed=self.seed.value), beside
+
+    @staticmethod
+    def dropped_differences(state: SimulationState, pairing: Pairing) -> str:
+        """What is said of differences between agents that the next run does not have, as of
+        another model; empty: it has all of them."""
+        spec, beside = pairing
+        taken = spec.individuals | ({} if beside is None else beside.individuals)
+        lost = [
+            f"{name} = {value}"
+            for name, value in (state.beside_values | state.values).items()
+            if isinstance(value, Distribution) and name not in taken
+        ]
+        return f"Not taken over into the new run: {', '.join(lost)}" if lost else ""
 
     def catch_up(self, spec: CompleteSpec) -> None:
         """Choose the running world if it has become another since Setup, as by the World tab."""

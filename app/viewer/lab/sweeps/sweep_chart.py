@@ -21,6 +21,7 @@ from app.studies.charts.mean_line import (
 from app.studies.charts.page_svg import CLICKED, ShapeLink, page_figure, page_svg
 from app.studies.charts.run_group import CellRuns, is_number
 from app.studies.charts.value_map import MapCell, draw_map, name_ticks, place_cells
+from app.studies.moments import moment_axis
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, few_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, numbers
 from app.viewer.measuring.observable_format import format_short, observable_words
@@ -179,6 +180,10 @@ def name_axis(shown: DrawnSweep, axis: str) -> str:
     if axis == AGENTS:
         return "Agents"
     known = {one.name: one for one in numbers(shown.model)} if shown.model in MODELS else {}
+    moment = moment_axis(axis)
+    if moment and moment.parameter in known:
+        label = parameter_label(known[moment.parameter])[0]
+        return f"{moment.moment.capitalize()} of {label[:1].lower()}{label[1:]}"
     return parameter_label(known[axis])[0] if axis in known else shorten_name(axis)
 
 

@@ -165,6 +165,11 @@ class SweepRequest:
         for axis in self.axes:
             if axis.name in grid:
                 raise InputError(f"{axis.name} cannot be both axes of a map")
+            if axis.name in self.spec.individuals:
+                raise InputError(
+                    f"{axis.name} = {self.spec.individuals[axis.name]} differs from agent to agent "
+                    "and is an axis: set its spread to 0 first"
+                )
             grid[axis.name] = axis.values(self.spec.model)
         one = OBSERVABLES.get(self.observable)
         if one is None or one.is_table:
@@ -216,7 +221,9 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
     if isinstance(world, World):
         run.pop("size", None)
         run.pop("dim", None)
-    run["parameters"] = {k: v for k, v in spec.parameters.items() if k not in axes}
+    individuals = {name: d.to_value() for name, d in spec.individuals.items()}
+    own = spec.parameters | individuals
+    run["parameters"] = {name: value for name, value in own.items() if name not in axes}
     return run
 
 

@@ -247,7 +247,10 @@ class InspectionMarks:
         return changes
 
     def _draw_reach(self, picture: Picture, row: int | None) -> Changes:
-        radius = float(picture.frame.reach) * picture.stage.scale
+        reach, reaches = picture.frame.reach, picture.frame.reaches
+        if row is not None and reaches is not None:
+            reach = reaches[row]
+        radius = float(reach) * picture.stage.scale
         if row is None or not np.isfinite(radius) or radius <= 0.0:
             return [(node, "visible", False) for node in (self._rim, self._disc, self._ball)]
         centre = picture.at[row]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
+from agents.individuals import Distribution
 from agents.inspection import Inspection
 from agents.state.agent_rows import Crashes
 from worlds.world import World
@@ -105,7 +106,7 @@ class MissionProgress:
 
 
 OF_AGENTS = ("position", "heading", "speed", "informed", "ids", "layer", "group", "measured",
-             "active", "saved", "seen", "hollow")  # fmt: skip
+             "active", "saved", "seen", "hollow", "reaches")  # fmt: skip
 """What a frame has of each agent, a row each, or None."""
 
 
@@ -119,7 +120,7 @@ class Frame:
     world: World
     """What does not move; the same object from frame to frame until something in it is changed."""
     reach: float
-    """Interaction radius, length."""
+    """Interaction radius, length; the largest of all agents where they differ in it."""
     speed_scale: float
     """Speed that counts as full colour, length per unit of time."""
     position: np.ndarray
@@ -151,6 +152,12 @@ class Frame:
     """(N,) int: label of the connected group, 0 the largest. If asked for."""
     measured: np.ndarray | None = None
     """(N,) the number of each agent that was asked for, NaN where it has none."""
+    own: Mapping[str, np.ndarray] = MappingProxyType({})
+    """(N,) each: the agents' own numbers of the parameters that differ, by name."""
+    individuals: Mapping[str, Distribution] = MappingProxyType({})
+    """What these were drawn from."""
+    reaches: np.ndarray | None = None
+    """(N,): how far each notices others, length, where that differs; None: `reach` is of all."""
     links: np.ndarray | None = None
     """(M, 2) int: rows of neighbouring pairs, if asked for."""
     inspected: Inspection | None = None
@@ -194,6 +201,7 @@ class Frame:
             name: None if getattr(self, name) is None else getattr(self, name)[rows]
             for name in OF_AGENTS
         }
+        taken["own"] = {name: column[rows] for name, column in self.own.items()}
         return replace(self, **taken, links=None, inspected=None, others={}, beside=None)
 
     @property
