@@ -17,7 +17,7 @@ from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.hunting_motion import HuntingMotion
 from agents.inspection import Inspection, compile_inspection, inspect
-from agents.kinds import KindTable, kind_table
+from agents.kinds import Kind, KindTable, kind_table
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
@@ -65,6 +65,7 @@ MADE_ANEW = {"_engine", "_wind", "context", "passing", "processes"}
 OWN_WORDS = (
     *("start", "rng", "threads", "ranks", "interpret"),
     *("collect", "model_reporters", "agent_reporters"),
+    *("kinds", "to", "members"),
 )
 """What `Flock` takes beside options and parameters."""
 
@@ -91,6 +92,9 @@ class Flock(TickClock, HuntingMotion):
         the numbers are the same up to rounding. All flocks do under NUMBA_DISABLE_JIT=1.
     collect: observables that `step` collects into `datacollector`; `model_reporters` and
         `agent_reporters` as Mesa's. A seed that was drawn is a column `seed`.
+    kinds: kinds of agents beside the ordinary ones, `flockscope.Kind`; see docs/kinds.md.
+    to: what the ordinary agents do about other kinds: `{"shark": flee(2.0)}`.
+    members: the class of Mesa's agents of a kind, a subclass of `Member`, by the kind's name.
     words: options of the run, by default as the model or its world has them, and parameters of the
         rule and the body, see `flockscope list`. The options (see `Spec`) are
         agents: ordinary agents, >= 1. Information agents come on top: informed, >= 0;
@@ -131,6 +135,9 @@ class Flock(TickClock, HuntingMotion):
         collect: Sequence[str] = ("polarisation",),
         model_reporters: Mapping[str, Any] | None = None,
         agent_reporters: Mapping[str, Any] | None = None,
+        kinds: Sequence[Kind] = (),
+        to: Mapping[str, Any] | None = None,
+        members: Mapping[str, type[Member]] | None = None,
         **words: Unpack[FlockWords],
     ):
         values: dict[str, Any] = {**words}
@@ -141,6 +148,13 @@ class Flock(TickClock, HuntingMotion):
                 f"rng = {rng} and seed = {values['seed']}: both are the seed, give one"
             )
         spec_request = (model if isinstance(model, Spec) else Spec(model)).taking(**values)
+        if kinds or to:
+            spec_request = spec_request.but(
+                kinds=kinds or spec_request.kinds, to=to or spec_request.to
+            )
+        self._member_types = member_types(
+            members or {}, kind_table(spec_request.kinds, spec_request.to)
+        )
         if spec_request.start == "given" and start is None:
             raise InputError(
                 "start = 'given' in the spec: a run from given arrays begins again only from its "
@@ -470,7 +484,8 @@ class Flock(TickClock, HuntingMotion):
         for row in np.argsort(self.ids).tolist():
             member = by_identity.get(ids[row])
             if member is None:
-                by_identity[ids[row]] = Member(self, row=row)
+                kind = str(self.kind_names[row]) if self._member_types else ""
+                by_identity[ids[row]] = self._member_types.get(kind, Member)(self, row=row)
             else:
                 member.row = row
         self._members.extend(by_identity[identity] for identity in ids)
@@ -670,6 +685,16 @@ class Flock(TickClock, HuntingMotion):
         flock.options = run
         flock.return_to(saved)
         return flock
+
+
+def member_types(members: Mapping[str, type[Member]], kinds: KindTable) -> dict[str, type[Member]]:
+    """The classes of Mesa's agents by the names of kinds. Raises InputError."""
+    for name, member in members.items():
+        if name not in kinds.names:
+            raise unknown("kind", name, kinds.names, "members")
+        if not (isinstance(member, type) and issubclass(member, Member)):
+            raise InputError(f"members: {name} = {shorten(member)} is no subclass of Member")
+    return dict(members)
 
 
 def demand_names(model: Any, others: Sequence[Any], words: Mapping[str, Any]) -> None:

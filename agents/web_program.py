@@ -287,6 +287,11 @@ def demand_possible(flock: Flock) -> None:
             f"agents come and go in {flock.world.name}: a page that runs by itself has the same "
             "agents throughout"
         )
+    if flock.kinds.kinds:
+        raise InputError(
+            f"there are kinds of agents ({', '.join(flock.kinds.names)}): in a page that runs by "
+            "itself all agents are of one kind"
+        )
     if flock.individuals:
         raise InputError(
             f"agents differ in {', '.join(flock.individuals)}: in a page that runs by itself all "

@@ -3,9 +3,9 @@
 What is named here and in the modules below is what a script, a notebook or a package of your own
 may import; nothing else is promised.
 
-- `flockscope`: flocks, the models by name, what agents' own numbers are drawn from, worlds,
-  sweeps, batches, sensitivity, optima, runs of the laboratory, and the error for what cannot be
-  used
+- `flockscope`: flocks, the models by name, kinds of agents and what their own numbers are drawn
+  from, worlds, sweeps, batches, sensitivity, optima, runs of the laboratory, and the error for what
+  cannot be used
 - `flockscope.rules`: for who writes a rule
 - `flockscope.worlds`: worlds, their obstacles and missions; layouts, readers, generators, checks
 - `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
@@ -37,9 +37,12 @@ if TYPE_CHECKING:
     from flockscope._flocks import fly as fly
     from flockscope._flocks import follow as follow
     from flockscope._models import MODELS as MODELS
+    from flockscope._models import Kind as Kind
     from flockscope._models import Recording as Recording
     from flockscope._models import Spec as Spec
+    from flockscope._models import chase as chase
     from flockscope._models import each as each
+    from flockscope._models import flee as flee
     from flockscope._models import from_file as from_file
     from flockscope._models import lognormal as lognormal
     from flockscope._models import model as model
@@ -73,6 +76,7 @@ _HOMES = {
     "_models": (
         *("MODELS", "Recording", "Spec", "from_file", "model"),
         *("each", "lognormal", "normal", "one_of", "uniform"),
+        *("Kind", "chase", "flee"),
     ),
     "_sweeps": ("batch_run", "optimise", "runs_frame", "sensitivity", "sweep"),
     "worlds": (

@@ -351,7 +351,11 @@ def test_links_are_of_those_who_notice_one_another():
         ("vem", {"eta": "lognormal(0, 1)"}, "the mean of a lognormal is > 0"),
         ("vem", {"spped": "normal(1, 2)"}, "unknown parameter 'spped'"),
         ("couzin", {"tau": "normal(0.1, .01)"}, "tau cannot differ .* a tick is as long for all"),
-        ("vem", {"k": "one_of(3, 4)"}, "k cannot differ from agent to agent in vem"),
+        (
+            "vem",
+            {"k": "one_of(3, 4)"},
+            "k cannot differ from agent to agent in vem: as many nearest",
+        ),
         ("vem", {"neighbours": ["metric"]}, "finite numbers are needed"),
         ("hwvem", {"r": "normal(1, .1)"}, "r cannot differ .* looks at the whole flock"),
     ],

@@ -313,9 +313,6 @@ class Rule:
     """Compiled: (me, near, surroundings, p, out). The forces one by one, out (len(forces), 3)."""
     sees_obstacles: bool = False
     """Whether the rule steers clear of obstacles and solid edges; else agents bounce off them."""
-    shared: tuple[str, ...] = ()
-    """Parameters of which its functions ask for one number of all agents, beside those that
-    `agents.models.model.Model.shared` finds by itself."""
     sifts: bool = False
     """Whether those within reach shall be picked out first where there are many: a gain for a rule
     that goes over its neighbours more than once, or whose term is dear; else a loss."""

@@ -210,8 +210,8 @@ class Model:
                 reasons[name] = "the rule looks at the whole flock with it"
             elif name == body.size:
                 reasons[name] = "agents take the size of others for their own"
-            elif name in (NUMBER, *rule.shared):
-                reasons[name] = "the rule asks for one number of all"
+            elif name == NUMBER and NEIGHBOURS in self.parameters.model_fields:
+                reasons[name] = "as many nearest agents are neighbours of all"
         return reasons
 
     @cached_property

@@ -23,7 +23,12 @@ from app.cli.choices import (
     rows,
     show_tables,
 )
-from app.cli.model_commands import describe_kernels, list_kernels
+from app.cli.model_commands import (
+    describe_differences,
+    describe_kernels,
+    list_differences,
+    list_kernels,
+)
 from app.cli.terminal.usage import PrintJson, Rules, model_name
 from app.cli.world import worlds
 from worlds.input_error import InputError, shorten, suggestion
@@ -34,7 +39,7 @@ def listing(
     what: Annotated[
         str | None,
         typer.Argument(
-            help=f"{', '.join(KINDS)}, kernels, or one name: a model, a world ...",
+            help=f"{', '.join(KINDS)}, kinds, kernels, or one name: a model, a world ...",
             callback=model_name,
         ),
     ] = None,
@@ -43,8 +48,14 @@ def listing(
 ) -> None:
     """List all names, one kind of things, or one thing in full.
 
+    `kinds` lists which models can have kinds of agents, and what agents cannot differ in.
     `kernels` lists what is compiled on this machine, and for which CPUs.
     """
+    if what == "kinds":
+        differences = list_differences()
+        text = "\n".join(describe_differences(differences))
+        typer.echo(json.dumps(differences) if as_json else text)
+        return
     if what == "kernels":
         kernels = list_kernels()
         typer.echo(json.dumps(kernels) if as_json else "\n".join(describe_kernels(kernels)))
@@ -105,7 +116,7 @@ def find_by_name(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
         matches = {"model": model(name)}
     if not matches:
         every = [item_name for kind in known_names.values() for item_name in kind]
-        hint = suggestion(name, [*KINDS, "kernels", *every])
+        hint = suggestion(name, [*KINDS, "kinds", "kernels", *every])
         raise InputError(f"unknown name {shorten(name)}{hint} (`flockscope list` shows all)")
     return matches
 

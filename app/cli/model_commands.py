@@ -79,6 +79,38 @@ def describe_warming(model: str, before: bool, seconds: float) -> str:
     return f"{model:16}  {'was compiled' if before else f'compiled in {seconds:.1f} s'}"
 
 
+def list_differences() -> list[dict[str, Any]]:
+    """Of each model whether it can have kinds of agents, and what agents cannot differ in."""
+    from agents.catalogue import MODELS
+
+    return [
+        {
+            "model": model.name,
+            "kinds": "yes, where all within reach are neighbours"
+            if "neighbours" in model.parameters.model_fields
+            else "yes",
+            "individual": list(model.individual),
+            "shared": model.shared,
+        }
+        for model in MODELS.values()
+    ]
+
+
+def describe_differences(models: list[dict[str, Any]]) -> list[str]:
+    """What is told of them: a line for each model, one for each reason."""
+    lines = []
+    for row in models:
+        lines.append(f"{row['model']:22} kinds: {row['kinds']}")
+        by_reason: dict[str, list[str]] = {}
+        for name, reason in row["shared"].items():
+            by_reason.setdefault(reason, []).append(name)
+        lines += [
+            f"{'':22} cannot differ: {', '.join(names)} ({reason})"
+            for reason, names in by_reason.items()
+        ]
+    return lines
+
+
 def list_kernels() -> dict[str, Any]:
     """Which kernels are on this machine, for which CPUs, and which models run without a wait."""
     from agents.catalogue import MODELS

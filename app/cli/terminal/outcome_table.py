@@ -119,6 +119,7 @@ def show(result: dict[str, Any], flock: Flock) -> None:
     typer.echo(
         f"{flock.model.title}: {counted(spec['agents'], 'agent')}"
         + (f" and {counted(spec['informed'], 'information agent')}" if spec["informed"] else "")
+        + "".join(f", {kind['agents']} of kind {kind['name']}," for kind in spec["kinds"])
         + f" in {spec['world']} {size}, seed {spec['seed']}"
     )
     rate = result["ticks"] * len(flock.ids) / max(result["seconds"], 1e-9)
