@@ -13,7 +13,7 @@ import numpy as np
 
 from agents.engine.block import Decision, OtherAgent
 from agents.engine.noise import exp, log
-from agents.engine.vector_lanes import load, where
+from agents.engine.vector_lanes import is_any, load, where
 from worlds.compilation import compiled
 
 OWN, WEIGHT, RADIUS, POWER, FIRST, CATCH = range(6)
@@ -41,7 +41,9 @@ def relation_terms(me, other, edge, weight, radius, power, first):
     is_met = (d2 > 0.0) & (d2 <= radius * radius)
     d = math.sqrt(where(is_met, d2, 1.0))
     is_met = is_met & (ahead >= edge * d)
-    falling = where(power < 0.0, 1.0 - d / where(radius > 0.0, radius, 1.0), exp(-power * log(d)))
+    falling = 1.0 - d / where(radius > 0.0, radius, 1.0)
+    if is_any(power >= 0.0):  # rare, and dear
+        falling = where(power < 0.0, falling, exp(-power * log(d)))
     share = where(is_met, weight * falling / d, 0.0)
     before = share * first
     share = share - before
@@ -90,6 +92,16 @@ def hide(other, is_own):
 
 
 # Eight agents at once: their relations to each kind, side by side.
+
+
+@compiled
+def common_kind(kinds, slot, last):
+    """The kind of the agents of slots `slot` to `last`, where they are all of one, or -1."""
+    kind = int(kinds[slot])
+    for at in range(slot + 1, last):
+        if int(kinds[at]) != kind:
+            return -1
+    return kind
 
 
 @compiled

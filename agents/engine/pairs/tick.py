@@ -44,6 +44,7 @@ from agents.engine.heeding import (
     RELATED,
     WEIGHT,
     add_relations,
+    common_kind,
     edge_of_view,
     hide,
     relation_lanes,
@@ -243,8 +244,29 @@ def add_run_terms(sums, slots, first, last, place, me, p, context, space, grid, 
 
 
 @compiled
+def add_terms_of_one_kind(sums, slots, first, last, place, me, p, space, grid, lone, relations):
+    """The same where there are kinds and the eight are of one, `relations` of which are
+    (K, COLUMNS): the terms of those who are neighbours, and what others add."""
+    edge = edge_of_view(view_of(p))
+    for j in range(np.uintp(first), np.uintp(last)):
+        kind = int(slots.kind[j])
+        if kind < 0:
+            continue
+        relation = relations[np.uintp(kind)]
+        if relation[OWN] > 0.0:
+            other = met(slots, j, place, space, grid, lone)
+            sums = add_terms(sums[:SUMS], term(me, other, p)) + sums[SUMS:]
+        if relation[WEIGHT] != 0.0:
+            other = met(slots, j, place, space, grid, lone)
+            numbers = relation[WEIGHT], relation[RADIUS], relation[POWER], relation[FIRST]
+            more = relation_terms(me, other, edge, *numbers)
+            sums = sums[:SUMS] + add_terms(sums[SUMS:], more)
+    return sums
+
+
+@compiled
 def add_related_terms(sums, slots, first, last, place, me, p, space, grid, lone, relations):
-    """The same where there are kinds: the terms of those who are neighbours, and what others add.
+    """The same where the eight are of several kinds; `relations` are those of each, side by side.
 
     A pair of which nobody of the eight has to do with the other's kind asks for one comparison.
     """
@@ -342,16 +364,20 @@ def nearest_sums(grid, space, slots, line, low, high, there, me, p, context, lon
             notes,
             rings,
             sure * sure,
+            -1,
         )
         rings *= 2
     return sums
 
 
 @compiled
-def pair_sums(sums, grid, space, slots, line, low, high, me, p, context, lone, notes, rings, sure2):
+def pair_sums(
+    sums, grid, space, slots, line, low, high, me, p, context, lone, notes, rings, sure2, kind
+):
     """The sums, and those of eight agents in cells low to high of one row of cells along x.
 
-    `line` is the number of that row; so many `rings` of cells around are gone through. Returns the
+    `line` is the number of that row; so many `rings` of cells around are gone through. `kind` is
+    that of all eight, -1 where they are of several, or where there are none. Returns the
     sums; where the k nearest are neighbours also whose k-th is further off than the root of
     `sure2`: to their sums nothing is added.
     """
@@ -404,6 +430,20 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, p, context, lone, n
                             grid,
                             lone,
                             limit2,
+                        )
+                    elif KINDS and kind >= 0:
+                        sums = add_terms_of_one_kind(
+                            sums,
+                            slots,
+                            first,
+                            last,
+                            place,
+                            me,
+                            p,
+                            space,
+                            grid,
+                            lone,
+                            context.relations[np.uintp(kind)],
                         )
                     elif KINDS:
                         sums = add_related_terms(
@@ -634,8 +674,11 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
         me = agents_of_lanes(flock, slots, slot, end, notes, identities, tick, key)
         p = own_of_eight(context.parameters, flock.own, slots.row, slot, end)
         q = own_of_eight(context.unbounded, flock.own, slots.row, slot, end) if NEAREST else p
+        kind = -1
         if KINDS:
-            spread_relations(context.relations, slots.kind, slot, end, notes.relations)
+            kind = common_kind(slots.kind, slot, end)
+            if kind < 0:
+                spread_relations(context.relations, slots.kind, slot, end, notes.relations)
         if NEAREST:
             there = is_there(eight_from(slot, end))
             sums = nearest_sums(
@@ -657,6 +700,7 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
                 notes,
                 1,
                 0.0,
+                kind,
             )
         act(flock, space, surroundings, slots, slot, end, me, p, q, sums, notes, context, to_rows)
         slot = end
