@@ -213,7 +213,7 @@ def test_a_number_as_an_axis_is_of_all_agents_and_text_may_be_a_distribution(tmp
         ("{ lognormal =", "{ each =", r"v0.spread: each of 2 agents has no mean and no spread to"),
 ("v0.spread =", 'v0 = [0.1]\n"v0.spread" =', r"v0.spread is not allowed beside v0.* line 12;"),
         ("{ lognormal = [0.03, 0.01] }", "{ gauss = [1] }", r"run.parameters.v0: unknown .*line 6"),
-        ("{ lognormal[0.03, 0.01] }", "'normal(1)'", r"v0: normal = .* are needed.*line 6"),
+        ("{ lognormal = [0.03, 0.01] }", "'normal(1)'", r"v0: normal.* are needed.*line 6"),
     ],
 )  # fmt: skip
 def test_a_mean_or_a_spread_that_cannot_be_is_refused_with_its_place(tmp_path, before, after, said):
