@@ -207,13 +207,13 @@ def test_a_number_as_an_axis_is_of_all_agents_and_text_may_be_a_distribution(tmp
         ("v0.spread =", "v9.spread =", r"v9.spread: unknown parameter 'v9'.*, line 11;"),
         ("v0.spread =", "k.spread =", r"k.spread: k cannot differ .* asks for one .*, line 11;"),
         ("[0.04, 0.05]", "[9.0]", r"v0.mean = 9 length/tick is outside \[0, 1\].*, line 12;"),
-        ("[0.04, 0.05]", "[0.0]", r"v0.spread: lognormal = .* mean .* is > 0.*, line 11;"),
+        ("[0.04, 0.05]", "[0.0]", r"v0.spread: lognormal.* mean .* is > 0.*, line 11;"),
         ("[0.04, 0.05]", "['x']", r"v0.mean = 'x' is not allowed: a number is needed.*, line 12;"),
         ("lognormal", "one_of", r"v0.spread: one_of\(0.03, 0.01\) has no mean and no spread to"),
         ("{ lognormal =", "{ each =", r"v0.spread: each of 2 agents has no mean and no spread to"),
 ("v0.spread =", 'v0 = [0.1]\n"v0.spread" =', r"v0.spread is not allowed beside v0.* line 12;"),
         ("{ lognormal = [0.03, 0.01] }", "{ gauss = [1] }", r"run.parameters.v0: unknown .*line 6"),
-        ("{ lognormal = [0.03, 0.01] }", "'normal(1)'", r"v0: normal = .* are needed.*line 6"),
+        ("{ lognormal = [0.03, 0.01] }", "'normal(1)'", r"v0: normal.* are needed.*line 6"),
     ],
 )  # fmt: skip
 def test_a_mean_or_a_spread_that_cannot_be_is_refused_with_its_place(tmp_path, before, after, said):

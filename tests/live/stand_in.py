@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
+import time
 from typing import Any
 
 import msgspec
@@ -28,6 +29,8 @@ CAMERA = {
 }
 TIMEOUT = 60.0
 """Seconds that a control may take to appear."""
+AGAIN = 5.0
+"""Seconds after which the cars are asked to be armed again."""
 LITTLE = 4096
 """Bytes of each buffer between the page and a browser that takes nothing."""
 
@@ -42,6 +45,8 @@ class StandIn:
         """The hotkeys: label -> uuid."""
         self.nodes: dict[str, str] = {}
         """The kinds of what is in the scene."""
+        self.asked_at = 0.0
+        """When it last asked to arm, as `time.monotonic` has it."""
         self.gone = False
         """Whether the page has closed the connection."""
         line = socket.socket()
@@ -118,8 +123,18 @@ class StandIn:
         self.set(label, True)
 
     def arm(self, code: str) -> None:
-        """Arm the cars, and say yes when asked, with the code of the terminal."""
-        self.press("Arm …")
+        """Arm the cars, and say yes when asked, with the code of the terminal.
+
+        A busy machine may hold the cars before the page asks: then it is pressed again.
+        """
+
+        def asked() -> bool:
+            if self.can("Arm …") and time.monotonic() > self.asked_at + AGAIN:
+                self.asked_at = time.monotonic()
+                self.press("Arm …")
+            return self.can("Code")
+
+        until(asked, TIMEOUT)
         self.set("Code", code)
         self.press("Arm")
 

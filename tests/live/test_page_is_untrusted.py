@@ -287,8 +287,7 @@ def test_a_drag_does_reach_the_injected_car(page, witness):
 
 def test_junk_while_the_cars_run_keeps_them_within_their_limits(page, witness):
     seen = []
-    witness.arm(page.session.code.digits)
-    until(lambda: page.session.status.arm == "armed", SOON)
+    arm(page, witness, lambda: page.session.status.arm == "armed", SOON)
     for value in (1e308, -1e308, math.nan, True, "9", None, [1.0], 0):
         said = [
             {"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}}

@@ -377,7 +377,7 @@ def test_a_scene_keeps_what_differs_beside_and_how_it_is_coloured():
     [
         ("tau = {normal = [0.1, 0.01]}", r"tau cannot differ .* \(it\)"),
         ("s = {gamma = [1, 2]}", r"s: unknown distribution 'gamma'.* \(it\)"),
-        ("s = {normal = [1, -2]}", r"s: normal = .* a standard deviation is >= 0"),
+        ("s = {normal = [1, -2]}", r"s: normal.* a standard deviation is >= 0"),
         ("x = {normal = [1, 2]}", "unknown parameter 'x'"),
     ],
 )
