@@ -224,7 +224,8 @@ class Flock(TickClock, HuntingMotion):
         self._acted: set[int] = set()
         self.next_id = len(begin.position) + 1
         arrays = start_arrays(begin, self.model, 1)
-        arrays = arrays._replace(own=own, kind=self._kind_at_start(arrays.ids))
+        kind = self._kind_at_start(arrays.ids)
+        arrays = arrays._replace(own=own, kind=kind, wish=self._no_wishes(len(kind)))
         if is_same:
             self._swap_arrays(arrays)
         else:
@@ -544,7 +545,7 @@ class Flock(TickClock, HuntingMotion):
         )
         ages = self.arrays.past.shape[1]
         new_arrays = start_arrays(new, self.model, self.next_id)
-        new_arrays = new_arrays._replace(own=own, kind=self._ordinary(len(own)))
+        new_arrays = self._as_ordinary(new_arrays, own)
         new_arrays = resize_past(new_arrays, ages, len(self.model.signals), self.tick)
         self._set_arrays(join_arrays(self.arrays, new_arrays))
         self.next_id += 1

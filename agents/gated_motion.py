@@ -48,9 +48,11 @@ class GatedMotion(Motion):
     is in the compiled loop: a flock in any other world runs as it did.
     """
 
-    def _ordinary(self, n: int) -> np.ndarray:
-        """The kind of n ordinary agents, where there are kinds: (n,), else (0,)."""
-        return np.zeros(n if self.kinds.kinds else 0)
+    def _as_ordinary(self, arrays: Arrays, own: np.ndarray) -> Arrays:
+        """The arrays of agents that join, of the ordinary kind, with their own parameters."""
+        n = len(own)
+        kind = np.zeros(n if self.kinds.kinds else 0)
+        return arrays._replace(own=own, kind=kind, wish=self._no_wishes(n))
 
     def _start_gap(self, own: np.ndarray) -> float:
         """How far from what is solid agents with these own parameters start at least, length."""
@@ -155,7 +157,7 @@ class GatedMotion(Motion):
         start = Start(places, heading, np.zeros(len(ids), bool), speed, order)
         start = self._with_start_speeds(start, source.speed_low is not None, own, self.next_id)
         new = start_arrays(start, self.model, self.next_id)
-        new = new._replace(own=own, kind=self._ordinary(len(own)))
+        new = self._as_ordinary(new, own)
         new = resize_past(new, arrays.past.shape[1], len(self.model.signals), self.tick)
         self.entries = self.entries.with_more(self.tick, ids, np.full(len(ids), number), places)
         self.next_id += len(ids)

@@ -153,6 +153,8 @@ class Kind:
     colour: str = ""
     """`#rrggbb`; empty: one of its own."""
     to: dict[str, Relation] = field(default_factory=dict)
+    steered: bool = False
+    """Whether its agents are told from outside what to wish, by `Flock.steer`."""
 
     def __init__(
         self,
@@ -163,6 +165,7 @@ class Kind:
         start: Any = None,
         colour: str = "",
         to: Mapping[str, Any] | None = None,
+        steered: Any = False,
         **more: Any,
     ) -> None:
         if (
@@ -198,6 +201,9 @@ class Kind:
         object.__setattr__(self, "start", None if start is None else start_box_of(name, start))
         object.__setattr__(self, "colour", str(colour))
         object.__setattr__(self, "to", relations)
+        if not isinstance(steered, bool):
+            raise InputError(f"kind {name}: steered = {shorten(steered)} is not true or false")
+        object.__setattr__(self, "steered", steered)
 
     def with_parameters(self, values: Mapping[str, Any]) -> Kind:
         """The same with some parameters changed."""
@@ -215,6 +221,8 @@ class Kind:
                 name: value.to_value() if isinstance(value, Distribution) else value
                 for name, value in self.parameters.items()
             }
+        if self.steered:
+            values["steered"] = True
         if self.to:
             values["to"] = {name: one.to_value() for name, one in self.to.items()}
         return values
@@ -222,7 +230,7 @@ class Kind:
 
 def replace_kind(kind: Kind, **changes: Any) -> Kind:
     """The kind with some things changed. Raises InputError."""
-    fields = ("name", "agents", "parameters", "start", "colour", "to")
+    fields = ("name", "agents", "parameters", "start", "colour", "to", "steered")
     return Kind(**{name: getattr(kind, name) for name in fields} | changes)
 
 
@@ -247,7 +255,7 @@ def as_kind(value: Any) -> Kind:
         return value
     if not isinstance(value, Mapping):
         raise InputError(f"{shorten(value)} is not a kind: a table with its name is needed")
-    known = ("name", "agents", "parameters", "start", "colour", "to")
+    known = ("name", "agents", "parameters", "start", "colour", "to", "steered")
     for key in value:
         if key not in known:
             raise unknown("key of a kind", str(key), known)

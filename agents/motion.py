@@ -104,6 +104,9 @@ class Motion(FlockState):
         """Take these arrays as the flock's state."""
         if len(arrays.own) != len(arrays.ids):  # a flock that was pickled before there were any
             arrays = arrays._replace(own=np.empty((len(arrays.ids), 0)))
+        no_wishes = self._no_wishes(len(arrays.ids))
+        if len(no_wishes) != len(arrays.wish):  # a file does not hold them
+            arrays = arrays._replace(wish=no_wishes)
         self.arrays = arrays
         self._engine = None
         self.context = self._make_context()
@@ -425,6 +428,42 @@ class Motion(FlockState):
                 checked(self.model.parameters, {**self.parameters.model_dump(), **numbers})
             except InputError as error:
                 raise InputError(f"kind {kind.name}: {error}") from None
+
+    def _no_wishes(self, n: int) -> np.ndarray:
+        """What n agents are told to wish where some kind is steered: nothing yet. `Arrays.wish`."""
+        is_steered = any(kind.steered for kind in self.kinds.kinds)
+        return np.full((n if is_steered else 0, 3), np.nan)
+
+    def steer(self, kind: str, wishes: Any) -> None:
+        """Tell the agents of a steered kind what to wish from the next tick on.
+
+        `wishes` (M, dim), in the order of `rows_of(kind)`, is what the model's rule wishes: a
+        heading, an acceleration or a velocity (`Model.rule.wish`); the body keeps to its limits. A
+        row of nan has its agent follow its rule. It holds until it is told otherwise. Raises
+        InputError, and then changes nothing.
+        """
+        rows = self.rows_of(kind)
+        steered = [one.name for one in self.kinds.kinds if one.steered]
+        if kind not in steered:
+            raise InputError(
+                f"agents of kind {kind} are not steered: make the kind with steered = true"
+            )
+        try:
+            array = np.asarray(wishes, float)
+        except (TypeError, ValueError):
+            array = np.empty(0)
+        if array.shape != (len(rows), self.world.dim):
+            raise InputError(
+                f"wishes of kind {kind} have the shape {array.shape}: "
+                f"({len(rows)}, {self.world.dim}) is needed"
+            )
+        is_told = ~np.isnan(array).any(axis=1)
+        if not np.isfinite(array[is_told]).all():
+            raise InputError(f"wishes of kind {kind} are not all finite numbers")
+        self.arrays.wish[rows] = np.nan
+        told = rows[is_told]
+        self.arrays.wish[told] = 0.0
+        self.arrays.wish[told, : self.world.dim] = array[is_told]
 
     def _own_of_new(self, ids: np.ndarray) -> np.ndarray:
         """The own parameters of agents that join: what is given agent by agent they share."""

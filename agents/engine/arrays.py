@@ -48,6 +48,9 @@ class Arrays(NamedTuple):
     kind: np.ndarray = np.empty(0)
     """Where there are kinds, the number of each agent's, or `heeding.CAUGHT`; float64 (N,), else
     (0,)."""
+    wish: np.ndarray = np.empty((0, 3))
+    """Where agents of a kind are steered from outside, what each is told to wish, nan where it
+    follows its rule; (N, 3), else (0, 3)."""
     own: np.ndarray = np.empty((0, 0))
     """Where agents differ, each one's parameters, `Model.individual` by name; (N, Q), else
     (N, 0)."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from agents.engine.block import Decision, OtherAgent
 from agents.engine.noise import exp, log
+from agents.engine.own_parameters import lanes_of_rows
 from agents.engine.vector_lanes import is_any, load, where
 from worlds.compilation import compiled
 
@@ -89,6 +90,28 @@ def hide(other, is_own):
         other.speed,
         True,
     )
+
+
+@compiled
+def is_steered(flock, row):
+    """Whether the agent of a row is told from outside what to wish."""
+    return flock.wish.shape[0] > 0 and flock.wish[row, 0] == flock.wish[row, 0]
+
+
+@compiled
+def steered_wish(flock, row):
+    """What it is told to wish."""
+    return Decision(flock.wish[row, 0], flock.wish[row, 1], flock.wish[row, 2])
+
+
+@compiled
+def steer_lanes(flock, rows, slot, last, wish):
+    """The wish of eight agents, or what those are told that are steered."""
+    x = lanes_of_rows(flock.wish, rows, slot, last, 0)
+    y = lanes_of_rows(flock.wish, rows, slot, last, 1)
+    z = lanes_of_rows(flock.wish, rows, slot, last, 2)
+    is_told = x == x  # nan is not
+    return Decision(where(is_told, x, wish.x), where(is_told, y, wish.y), where(is_told, z, wish.z))
 
 
 # Eight agents at once: their relations to each kind, side by side.

@@ -45,6 +45,7 @@ def start_arrays(start: Start, model: Model, first_id: int) -> Arrays:
         no_crashes(n if model.body.touches else 0, start.position.shape[1]),
         np.empty((n, 0, 0)),
         np.empty(0),
+        np.empty((0, 3)),
         np.empty((n, 0)),
     )
 
@@ -82,11 +83,12 @@ def select_rows(arrays: Arrays, rows: np.ndarray) -> Arrays:
     rows_of_fields = {
         name: np.take(column, rows, axis=int(name == "memory"))
         for name, column in arrays._asdict().items()
-        if name not in ("crash_record", "kind")
+        if name not in ("crash_record", "kind", "wish")
     }
     crash_record = np.take(arrays.crash_record, crashed_rows, axis=0)
     kind = arrays.kind[rows] if len(arrays.kind) else arrays.kind
-    return Arrays(**rows_of_fields, crash_record=crash_record, kind=kind)
+    wish = arrays.wish[rows] if len(arrays.wish) else arrays.wish
+    return Arrays(**rows_of_fields, crash_record=crash_record, kind=kind, wish=wish)
 
 
 # Who has crashed: when, where, and against what.

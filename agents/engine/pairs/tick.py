@@ -47,9 +47,12 @@ from agents.engine.heeding import (
     common_kind,
     edge_of_view,
     hide,
+    is_steered,
     relation_lanes,
     relation_terms,
     spread_relations,
+    steer_lanes,
+    steered_wish,
 )
 from agents.engine.neighbour_search import (
     begin_least,
@@ -594,6 +597,8 @@ def move_one(flock, space, surroundings, slots, slot, lane, me, notes, context):
                 all_sums = sums_of(table, ALL_SUMS, lane)
                 wish = wish_of_one(surroundings, agent, all_sums[:SUMS], notes, q, context.reach)
                 wish = add_relations(wish, all_sums[SUMS:])
+                if is_steered(flock, slots.row[slot]):
+                    wish = steered_wish(flock, slots.row[slot])
             else:
                 sums = sums_of(table, SUMS, lane)
                 wish = wish_of_one(surroundings, agent, sums, notes, q, context.reach)
@@ -619,6 +624,8 @@ def act(flock, space, surroundings, slots, slot, last, me, p, q, sums, notes, co
     if BY_LANES:
         if KINDS:
             want = add_relations(answer(me, sums[:SUMS], surroundings, q), sums[SUMS:])
+            if flock.wish.shape[0] > 0:
+                want = steer_lanes(flock, slots.row, slot, last, want)
         else:
             want = answer(me, sums, surroundings, q)
         if HEADS:

@@ -39,7 +39,9 @@ from agents.engine.heeding import (
     WEIGHT,
     add_relations,
     edge_of_view,
+    is_steered,
     relation_terms,
+    steered_wish,
 )
 from agents.engine.neighbour_search import all_images, covered_distance, fill_all, rank, width_for
 from agents.engine.noise import add_heading_noise, carry_with_wind, tick_key
@@ -127,6 +129,8 @@ def act(flock, space, surroundings, i, me, near, visible, context, workspace):
         if KINDS:
             related = related_sum(me, near, workspace.block[10], flock.kind[i], context, p)
             want = add_relations(want, related)
+            if is_steered(flock, i):
+                want = steered_wish(flock, i)
         if HEADS:
             want = add_heading_noise(me, want, context.noise, p.eta, DIM)
     body_move = move(me, near, surroundings, want, p, out)
