@@ -286,7 +286,7 @@ class KindTable:
     relations: dict[tuple[str, str], Relation]
     """Of whom to whom: those that are not there are `own` within a kind, else `ignore`."""
     to: dict[str, Relation] = field(default_factory=dict)
-    """What the ordinary agents were told to do about other kinds."""
+    """What the ordinary agents do by their own relation about other kinds."""
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -457,13 +457,13 @@ class Motion(FlockState):
                 f"wishes of kind {kind} have the shape {array.shape}: "
                 f"({len(rows)}, {self.world.dim}) is needed"
             )
-        is_told = ~np.isnan(array).any(axis=1)
-        if not np.isfinite(array[is_told]).all():
+        is_given = ~np.isnan(array).any(axis=1)
+        if not np.isfinite(array[is_given]).all():
             raise InputError(f"wishes of kind {kind} are not all finite numbers")
         self.arrays.wish[rows] = np.nan
-        told = rows[is_told]
-        self.arrays.wish[told] = 0.0
-        self.arrays.wish[told, : self.world.dim] = array[is_told]
+        steered_rows = rows[is_given]
+        self.arrays.wish[steered_rows] = 0.0
+        self.arrays.wish[steered_rows, : self.world.dim] = array[is_given]
 
     def _own_of_new(self, ids: np.ndarray) -> np.ndarray:
         """The own parameters of agents that join: what is given agent by agent they share."""

@@ -4,8 +4,8 @@ What is named here and in the modules below is what a script, a notebook or a pa
 may import; nothing else is promised.
 
 - `flockscope`: flocks, the models by name, kinds of agents and what their own numbers are drawn
-  from, worlds, sweeps, batches, sensitivity, optima, runs of the laboratory, and the error for what
-  cannot be used
+  from, environments in which agents learn, worlds, sweeps, batches, sensitivity, optima, runs of
+  the laboratory, and the error for what cannot be used
 - `flockscope.rules`: for who writes a rule
 - `flockscope.worlds`: worlds, their obstacles and missions; layouts, readers, generators, checks
 - `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from flockscope._flocks import Series as Series
     from flockscope._flocks import fly as fly
     from flockscope._flocks import follow as follow
+    from flockscope._learning import env as env
+    from flockscope._learning import gym_env as gym_env
     from flockscope._models import MODELS as MODELS
     from flockscope._models import Kind as Kind
     from flockscope._models import Recording as Recording
@@ -78,6 +80,7 @@ _HOMES = {
         *("each", "lognormal", "normal", "one_of", "uniform"),
         *("Kind", "chase", "flee"),
     ),
+    "_learning": ("env", "gym_env"),
     "_sweeps": ("batch_run", "optimise", "runs_frame", "sensitivity", "sweep"),
     "worlds": (
         *("Box", "CShape", "Disc", "Goal", "InputError", "Mission", "Path", "Polygon", "Prism"),

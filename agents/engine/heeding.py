@@ -110,8 +110,10 @@ def steer_lanes(flock, rows, slot, last, wish):
     x = lanes_of_rows(flock.wish, rows, slot, last, 0)
     y = lanes_of_rows(flock.wish, rows, slot, last, 1)
     z = lanes_of_rows(flock.wish, rows, slot, last, 2)
-    is_told = x == x  # nan is not
-    return Decision(where(is_told, x, wish.x), where(is_told, y, wish.y), where(is_told, z, wish.z))
+    is_given = x == x  # nan is not
+    return Decision(
+        where(is_given, x, wish.x), where(is_given, y, wish.y), where(is_given, z, wish.z)
+    )
 
 
 # Eight agents at once: their relations to each kind, side by side.

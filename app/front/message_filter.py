@@ -25,7 +25,7 @@ LARGEST = 6 * 1024 * 1024
 
 
 @dataclass(frozen=True)
-class Kind:
+class MessageKind:
     """A kind of message."""
 
     rate: float
@@ -41,19 +41,19 @@ CAMERA = "ViewerCameraMessage"
 RENDER = "GetRenderResponseMessage"
 """A picture of the scene, of which only those are heard that were asked for."""
 KINDS = {
-    CAMERA: Kind(80.0, 160.0),
-    "GuiUpdateMessage": Kind(80.0, 300.0),
-    "GuiButtonHoldMessage": Kind(10.0, 20.0),
-    "CommandTriggerMessage": Kind(40.0, 60.0),
-    "SceneNodeClickMessage": Kind(50.0, 60.0),
-    "SceneNodeDragMessage": Kind(80.0, 160.0),
-    "ScenePointerMessage": Kind(50.0, 60.0),
-    "TransformControlsUpdateMessage": Kind(80.0, 160.0),
-    "TransformControlsDragStartMessage": Kind(10.0, 20.0),
-    "TransformControlsDragEndMessage": Kind(10.0, 20.0),
-    "FileTransferStartUpload": Kind(2.0, 8.0),
-    "FileTransferPart": Kind(20.0, 40.0, LARGEST),
-    RENDER: Kind(40.0, 60.0, LARGEST),
+    CAMERA: MessageKind(80.0, 160.0),
+    "GuiUpdateMessage": MessageKind(80.0, 300.0),
+    "GuiButtonHoldMessage": MessageKind(10.0, 20.0),
+    "CommandTriggerMessage": MessageKind(40.0, 60.0),
+    "SceneNodeClickMessage": MessageKind(50.0, 60.0),
+    "SceneNodeDragMessage": MessageKind(80.0, 160.0),
+    "ScenePointerMessage": MessageKind(50.0, 60.0),
+    "TransformControlsUpdateMessage": MessageKind(80.0, 160.0),
+    "TransformControlsDragStartMessage": MessageKind(10.0, 20.0),
+    "TransformControlsDragEndMessage": MessageKind(10.0, 20.0),
+    "FileTransferStartUpload": MessageKind(2.0, 8.0),
+    "FileTransferPart": MessageKind(20.0, 40.0, LARGEST),
+    RENDER: MessageKind(40.0, 60.0, LARGEST),
 }
 """Of these a laboratory hears, and of no others."""
 KNOWN = message_kinds()
@@ -158,7 +158,7 @@ class MessageFilter:
         log: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
         expected: Callable[[bytes], bool] = lambda _: False,
-        kinds: Mapping[str, Kind] = KINDS,
+        kinds: Mapping[str, MessageKind] = KINDS,
     ):
         self.shared = shared
         self.expected = expected

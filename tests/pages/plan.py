@@ -15,6 +15,9 @@ NOT_RUN = {
     "uv run python packing/release.py --out dist": "takes an hour: tests/packing/test_release.py",
     "pip download --no-deps trajectorytools==0.4.2": "asks a package index",
     "python -m zipfile -e trajectorytools-0.4.2-py3-none-any.whl .": "needs what that brings",
+    "uv run python docs/learn_to_evade.py --out learning.png": (
+        "takes a minute: tests/test_learning.py runs a generation of it"
+    ),
     "git clone --depth 1 https://github.com/PedestrianDynamics/jupedsim": "asks the network",
     "curl -X POST -H 'X-Flockscope: stop' http://localhost:8080/emergency": (
         "needs a room that is open: tests/attacks/test_stop_way.py presses it so"

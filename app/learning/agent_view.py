@@ -1,0 +1,192 @@
+"""What steered agents see: the nearest agents, their own speed, the goal and what is solid.
+
+All of it is in an agent's own frame: ahead, to the left and, in space, up. Numbers are in [-1, 1].
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from agents.engine.cache import compile_to_disk
+from agents.engine.heeding import edge_of_view
+from agents.flock import Flock
+from agents.inspection import field_of_view
+from worlds.compilation import compiled
+from worlds.queries.surroundings import signed_distance
+
+KINDS = 9.0
+"""By which the number of a kind is divided, so that it is below 1."""
+
+
+@compiled
+def own_frame(heading, i, frame):
+    """Write the axes of the agent of row i into `frame` (dim, dim): ahead, left, up."""
+    dim = heading.shape[1]
+    for axis in range(dim):
+        frame[0, axis] = heading[i, axis]
+    if dim == 2:
+        frame[1, 0], frame[1, 1] = -heading[i, 1], heading[i, 0]
+        return
+    x, y = -heading[i, 1], heading[i, 0]
+    length = math.sqrt(x * x + y * y)
+    if length < 1e-9:  # straight up or down: any side will do
+        x, y, length = 0.0, 1.0, 1.0
+    frame[1, 0], frame[1, 1], frame[1, 2] = x / length, y / length, 0.0
+    frame[2, 0] = frame[0, 1] * frame[1, 2] - frame[0, 2] * frame[1, 1]
+    frame[2, 1] = frame[0, 2] * frame[1, 0] - frame[0, 0] * frame[1, 2]
+    frame[2, 2] = frame[0, 0] * frame[1, 1] - frame[0, 1] * frame[1, 0]
+
+
+@compiled
+def clipped(value):
+    """The value within [-1, 1]."""
+    return min(max(value, -1.0), 1.0)
+
+
+@compiled
+def solid_at(surroundings, position, i, frame, axis, step, reach):
+    """The distance to what is solid from a step along an axis of an agent's frame, over reach."""
+    dim = position.shape[1]
+    x = position[i, 0] + step * frame[axis, 0]
+    y = position[i, 1] + step * frame[axis, 1]
+    z = position[i, 2] + step * frame[axis, 2] if dim == 3 else 0.0
+    return clipped(signed_distance(surroundings, x, y, z) / reach)
+
+
+@compile_to_disk
+def view_agents(
+    position,
+    heading,
+    speed,
+    kind,
+    rows,
+    size,
+    images,
+    reach,
+    view,
+    goal,
+    surroundings,
+    near,
+    frame,
+    seen,
+):
+    """Fill `seen` (S, width) with what the agents of rows (S,) see.
+
+    `near` (k, 2) and `frame` (4, 3) are scratch: of the k nearest the squares of the distances and
+    the rows; the axes of an agent's frame, and a vector. `goal`
+    (dim,) or (0,). Those beyond `reach` (length), outside of the field of view (deg) or with a kind
+    below 0 are not seen.
+    """
+    dim = position.shape[1]
+    k = near.shape[0]
+    away = frame[3]
+    edge = edge_of_view(view)
+    for s in range(rows.shape[0]):
+        i = rows[s]
+        own_frame(heading, i, frame)
+        count = 0
+        for j in range(position.shape[0]):
+            if j == i or (kind.shape[0] > 0 and kind[j] < 0.0):
+                continue
+            d2 = ahead = 0.0
+            for axis in range(dim):
+                d = position[j, axis] - position[i, axis]
+                if images[axis]:
+                    d -= size[axis] * math.floor(d / size[axis] + 0.5)
+                d2 += d * d
+                ahead += d * frame[0, axis]
+            if d2 > reach * reach or ahead < edge * math.sqrt(d2):
+                continue
+            if count == k and d2 >= near[k - 1, 0]:
+                continue
+            place = count if count < k else k - 1
+            while place > 0 and near[place - 1, 0] > d2:
+                near[place, 0], near[place, 1] = near[place - 1, 0], near[place - 1, 1]
+                place -= 1
+            near[place, 0], near[place, 1] = d2, j
+            count = min(count + 1, k)
+        at = 0
+        for n in range(k):
+            for axis in range(2 * dim + 2):
+                seen[s, at + axis] = 0.0
+            if n < count:
+                j = int(near[n, 1])
+                for axis in range(dim):
+                    d = position[j, axis] - position[i, axis]
+                    if images[axis]:
+                        d -= size[axis] * math.floor(d / size[axis] + 0.5)
+                    away[axis] = d
+                for row in range(dim):
+                    place = facing = 0.0
+                    for axis in range(dim):
+                        place += away[axis] * frame[row, axis]
+                        facing += heading[j, axis] * frame[row, axis]
+                    seen[s, at + row] = clipped(place / reach)
+                    seen[s, at + dim + row] = clipped(facing)
+                seen[s, at + 2 * dim] = (kind[j] if kind.shape[0] > 0 else 0.0) / KINDS
+                seen[s, at + 2 * dim + 1] = 1.0
+            at += 2 * dim + 2
+        seen[s, at] = clipped(speed[i] / reach)
+        at += 1
+        for row in range(dim):
+            seen[s, at + row] = 0.0
+        if goal.shape[0] > 0:
+            for row in range(dim):
+                place = 0.0
+                for axis in range(dim):
+                    place += (goal[axis] - position[i, axis]) * frame[row, axis]
+                seen[s, at + row] = clipped(place / reach)
+        at += dim
+        seen[s, at] = solid_at(surroundings, position, i, frame, 0, 0.0, reach)
+        at += 1
+        for row in range(dim):
+            for side in range(2):
+                step = 0.5 * reach * (1.0 - 2.0 * side)
+                seen[s, at] = solid_at(surroundings, position, i, frame, row, step, reach)
+                at += 1
+
+
+class AgentView:
+    """What some agents of a flock see of the k nearest and of the world, in arrays that it keeps.
+
+    `width` is how many numbers each sees: for each of the k nearest its place over the reach and
+    its heading (dim each), the number of its kind over 9, and 1 where there is one; then the own
+    speed over the reach in a tick, the place of the goal (dim), and the distances to what is solid
+    from the own place and half a reach along each axis both ways, over the reach.
+    """
+
+    def __init__(self, flock: Flock, k: int, agents: int):
+        dim = flock.world.dim
+        self.flock, self.reach = flock, flock.reach
+        self.width = k * (2 * dim + 2) + 1 + dim + 1 + 2 * dim
+        self.near, self.frame = np.zeros((k, 2)), np.zeros((4, 3))
+        self.seen = np.zeros((agents, self.width))
+        self.size = np.array(flock.world.size, float)
+        self.images = np.array(flock.world.images, bool)
+        self.view = field_of_view(flock)
+
+    def look(self, rows: np.ndarray) -> np.ndarray:
+        """What the agents of rows (S,) see, float32 (S, width)."""
+        flock, mission = self.flock, self.flock.world.mission
+        has_goal = mission is not None and mission.goal is not None
+        goal = flock.goal_at(np.array([flock.tick]))[0] if has_goal else np.empty(0)
+        view_agents(
+            flock.position,
+            flock.heading,
+            flock.speed,
+            flock.arrays.kind,
+            np.ascontiguousarray(rows, np.int64),
+            self.size,
+            self.images,
+            self.reach,
+            self.view,
+            goal,
+            flock.engine.surroundings,
+            self.near,
+            self.frame,
+            self.seen,
+        )
+        seen: np.ndarray = self.seen[: len(rows)].astype(np.float32)
+        return seen
