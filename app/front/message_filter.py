@@ -25,7 +25,7 @@ LARGEST = 6 * 1024 * 1024
 
 
 @dataclass(frozen=True)
-class MessageKind:
+class AllowedMessage:
     """A kind of message."""
 
     rate: float
@@ -41,19 +41,19 @@ CAMERA = "ViewerCameraMessage"
 RENDER = "GetRenderResponseMessage"
 """A picture of the scene, of which only those are heard that were asked for."""
 KINDS = {
-    CAMERA: MessageKind(80.0, 160.0),
-    "GuiUpdateMessage": MessageKind(80.0, 300.0),
-    "GuiButtonHoldMessage": MessageKind(10.0, 20.0),
-    "CommandTriggerMessage": MessageKind(40.0, 60.0),
-    "SceneNodeClickMessage": MessageKind(50.0, 60.0),
-    "SceneNodeDragMessage": MessageKind(80.0, 160.0),
-    "ScenePointerMessage": MessageKind(50.0, 60.0),
-    "TransformControlsUpdateMessage": MessageKind(80.0, 160.0),
-    "TransformControlsDragStartMessage": MessageKind(10.0, 20.0),
-    "TransformControlsDragEndMessage": MessageKind(10.0, 20.0),
-    "FileTransferStartUpload": MessageKind(2.0, 8.0),
-    "FileTransferPart": MessageKind(20.0, 40.0, LARGEST),
-    RENDER: MessageKind(40.0, 60.0, LARGEST),
+    CAMERA: AllowedMessage(80.0, 160.0),
+    "GuiUpdateMessage": AllowedMessage(80.0, 300.0),
+    "GuiButtonHoldMessage": AllowedMessage(10.0, 20.0),
+    "CommandTriggerMessage": AllowedMessage(40.0, 60.0),
+    "SceneNodeClickMessage": AllowedMessage(50.0, 60.0),
+    "SceneNodeDragMessage": AllowedMessage(80.0, 160.0),
+    "ScenePointerMessage": AllowedMessage(50.0, 60.0),
+    "TransformControlsUpdateMessage": AllowedMessage(80.0, 160.0),
+    "TransformControlsDragStartMessage": AllowedMessage(10.0, 20.0),
+    "TransformControlsDragEndMessage": AllowedMessage(10.0, 20.0),
+    "FileTransferStartUpload": AllowedMessage(2.0, 8.0),
+    "FileTransferPart": AllowedMessage(20.0, 40.0, LARGEST),
+    RENDER: AllowedMessage(40.0, 60.0, LARGEST),
 }
 """Of these a laboratory hears, and of no others."""
 KNOWN = message_kinds()
@@ -158,7 +158,7 @@ class MessageFilter:
         log: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
         expected: Callable[[bytes], bool] = lambda _: False,
-        kinds: Mapping[str, MessageKind] = KINDS,
+        kinds: Mapping[str, AllowedMessage] = KINDS,
     ):
         self.shared = shared
         self.expected = expected

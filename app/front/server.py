@@ -33,7 +33,7 @@ from app.front.http_server import (
     text_response,
 )
 from app.front.log import Log, log_failures, make_logger
-from app.front.message_filter import KINDS, MessageFilter, MessageKind
+from app.front.message_filter import KINDS, AllowedMessage, MessageFilter
 from app.front.page_front import ALIVE, PAGES, Answering, Front
 from app.front.relay import Admission, connect_viser, relay
 from app.front.renders import Renders, accept_renders
@@ -113,7 +113,7 @@ class Entrance:
         self,
         sock: socket.socket,
         front: Front,
-        kinds: Mapping[str, MessageKind],
+        kinds: Mapping[str, AllowedMessage],
         limits: ConnectionLimits,
     ):
         self.front = front
@@ -265,7 +265,7 @@ def open_server(
     host: str = "127.0.0.1",
     port: int = 8080,
     front: Front | None = None,
-    kinds: Mapping[str, MessageKind] = KINDS,
+    kinds: Mapping[str, AllowedMessage] = KINDS,
     limits: ConnectionLimits = USUAL,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.

@@ -16,7 +16,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, declared
 from app.front.client_addresses import USUAL, ConnectionLimits
-from app.front.message_filter import CAMERA, MessageKind
+from app.front.message_filter import CAMERA, AllowedMessage
 from app.front.origin import local_address
 from app.front.page_front import Front
 from app.front.server import admit_browsers, close_server, on_browser_message, open_server
@@ -88,10 +88,10 @@ def row(one: DeclaredParameter, value: Any) -> str:
 SCRIPTS = ("card.js",)
 """What its page needs beside what every page has: to keep a card beside its agent."""
 HEARD = {
-    CAMERA: MessageKind(80.0, 160.0),
-    "GuiUpdateMessage": MessageKind(10.0, 40.0),
-    "CommandTriggerMessage": MessageKind(10.0, 20.0),
-    "ScenePointerMessage": MessageKind(4.0, 8.0),
+    CAMERA: AllowedMessage(80.0, 160.0),
+    "GuiUpdateMessage": AllowedMessage(10.0, 40.0),
+    "CommandTriggerMessage": AllowedMessage(10.0, 20.0),
+    "ScenePointerMessage": AllowedMessage(4.0, 8.0),
 }
 """The kinds of messages that it hears, and how often: where a browser's own camera is, its own
 controls, the keys of its camera, and clicks on agents."""
