@@ -229,6 +229,43 @@ class NearClaim(StatedClaim):
     within: float = Field(gt=0.0)
 
 
+class BoundedClaim(StatedClaim):
+    """What all claims have that set one bound to a mean."""
+
+    above: float | None = None
+    below: float | None = None
+
+    @model_validator(mode="after")
+    def _has_one_bound(self) -> BoundedClaim:
+        if (self.above is None) == (self.below is None):
+            raise ValueError("either above or below is needed")
+        return self
+
+    @property
+    def bound(self) -> float:
+        """The bound that is set."""
+        return next(value for value in (self.below, self.above) if value is not None)
+
+    @property
+    def sign(self) -> float:
+        """1 where the mean is to be above the bound, -1 where below."""
+        return -1.0 if self.above is None else 1.0
+
+    @property
+    def bound_words(self) -> str:
+        """The bound in words."""
+        return f"{'below' if self.above is None else 'above'} {self.bound:g}"
+
+
+class MeanClaim(BoundedClaim):
+    """The mean of a measure in some rows is beyond a bound."""
+
+    says: Literal["mean"]
+    labels: list[str] = Field(min_length=1)
+    agents: list[int] = Field(default_factory=list)
+    """The sizes that it is said of; empty: all."""
+
+
 class ScalingClaim(StatedClaim):
     """A measure goes with a power of the number of agents, over the sizes of a row's label."""
 
@@ -295,28 +332,21 @@ class SizeClaim(StatedClaim):
     """Of the mean at each size, the share by which the next is more, or less, at least."""
 
 
-class ReachClaim(StatedClaim):
+class ReachClaim(BoundedClaim):
     """The mean of a measure is beyond a bound at some value of a sweep, or at none."""
 
     says: Literal["reaches"]
     label: str
     agents: list[int] = Field(min_length=1)
-    above: float | None = None
-    below: float | None = None
     nowhere: bool = False
     """Whether it is said to be so at no value."""
-
-    @model_validator(mode="after")
-    def _has_one_bound(self) -> ReachClaim:
-        if (self.above is None) == (self.below is None):
-            raise ValueError("either above or below is needed")
-        return self
 
 
 DeclaredClaim = Annotated[
     OrderClaim
     | EveryRunClaim
     | NearClaim
+    | MeanClaim
     | ScalingClaim
     | FasterClaim
     | EnduranceClaim
