@@ -48,6 +48,7 @@ SCENES = {
     "dorsogna": Scene((0, 50, 500, 6000), 0.24, seed=2, tail=10, view=((0.0, 0.0), (4.94, 4.94))),
     "active-brownian": Scene((0, 1000, 5000, 20_000), 1.0),
     "couzin": Scene((0, 60, 200, 1200), 1.6),
+    "leadership": Scene((0, 20, 60, 200), 0.9, tail=15, parameters={"omega": 0.5}),
     "thesis": Scene((0, 100, 500, 3000), 1.6, seed=3),
     "safe": Scene((0, 100, 500, 3000), 1.6, seed=3, parameters={"alpha": 270.0, "v0": 2.0}),
     "guarded": Scene((0, 100, 500, 3000), 1.6, seed=3),

@@ -6,10 +6,11 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from agents.individuals import as_distribution
-from agents.spec import OPTIONS, Options
+from agents.kinds import Kind, Relation, as_kinds
+from agents.spec import OPTIONS, Options, relations, values_of, values_of_kinds
 from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.measure import Settings
 from worlds.input_error import InputError
@@ -119,7 +120,20 @@ class PublishedMeasure(StrictTable):
         return sum(self.values) / len(self.values) if self.values else self.mean
 
 
-class PaperRow(StrictTable, Options):
+class WithKinds(StrictTable):
+    """The kinds of agents of a row or a sweep, as a spec has them; see `agents.kinds`."""
+
+    kinds: Annotated[
+        tuple[Kind, ...], PlainValidator(as_kinds), PlainSerializer(values_of_kinds)
+    ] = ()
+    """Kinds beside the ordinary agents."""
+    to: Annotated[dict[str, Relation], PlainValidator(relations), PlainSerializer(values_of)] = (
+        Field(default_factory=dict)
+    )
+    """What the ordinary agents do about them, by their names."""
+
+
+class PaperRow(WithKinds, Options):
     """One row of a table, and its options, with the published numbers by measure."""
 
     model: str
@@ -144,7 +158,7 @@ class PaperRow(StrictTable, Options):
         return self
 
 
-class PaperSweep(StrictTable, Options):
+class PaperSweep(WithKinds, Options):
     """One parameter over several values, for several sizes of flock, and its options.
 
     An option that is a number, as `delay`, stands where a parameter may.

@@ -241,6 +241,7 @@ SHORT = {
     "wu2023-theorem1": ({"limit": 2.0}, []),
     "couzin2002-phases": ({}, []),
     "couzin2002-sorting": ({"settle": 5, "looks": 2, "every": 2}, []),
+    "couzin2005-leadership": ({"lasts": 2.0, "over": 1.0}, [10, 50]),
     "thesis-table5.1": ({}, []),
     "thesis-table5.2": ({}, []),
     "thesis-fig5.3": ({}, []),
