@@ -23,7 +23,7 @@ from agents.rules.terms.zone_sums import ALL_ROUND, weigh_zones
 from worlds.compilation import compiled
 
 
-class Leadership(Parameters):
+class InformedGroups(Parameters):
     """Parameters of Couzin et al. 2005."""
 
     alpha: float = parameter(
@@ -145,7 +145,7 @@ RULE = Rule(
     checked="{couzin2005-leadership#2}; two opinions: {couzin2005-leadership#4}; "
     "{couzin2005-leadership#6} (`flockscope paper couzin2005-leadership`)",
     tags=("biology", "classroom", "leaders", "decision", "consensus", "informed", "swarm"),
-    parameters=Leadership,
+    parameters=InformedGroups,
     **of_pairs(5, term, answer, by_lanes=True),
     reach="range",
     dimensions=(2,),

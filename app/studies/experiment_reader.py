@@ -160,11 +160,9 @@ def spec_of(
         dim=settings.dim,
         world=settings.world,
         parameters=settings.parameters,
-        kinds=of.kinds,
-        to=of.to,
         **of.chosen,
     )
-    return spec_with(base, parameters)
+    return spec_with(base.but(kinds=of.kinds, to=of.to), parameters)
 
 
 def points_of(sweep: PaperSweep) -> list[tuple[dict[str, ParameterValue], Value, Way]]:
