@@ -42,6 +42,7 @@ from agents.rules import (
     hwvem,
     inertial_spin,
     ivem,
+    leadership,
     olfati_saber,
     pedestrian,
     reynolds,
@@ -133,6 +134,15 @@ BUILT_IN = [
         tells=("largest-group", "mean-neighbours", "polarisation"),
     ),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
+    Model(
+        leadership.RULE,
+        turning.BODY,
+        world="open",
+        agents=50,
+        density=0.44,
+        defaults={"s": 1.0, "theta": 114.59, "tau": 0.2},
+        tells=("polarisation", "groups", "gyration-radius"),
+    ),
     Model(inertial_spin.RULE, swerving.BODY, agents=400),
     Model(
         zones.ZONES,

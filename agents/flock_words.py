@@ -113,6 +113,7 @@ class ParameterWords(TypedDict, total=False):
     noise_range: Number
     noise_xy: Number
     noise_yaw: Number
+    omega: Number
     p1: Number
     p2: Number
     p_frict: Number
@@ -136,6 +137,7 @@ class ParameterWords(TypedDict, total=False):
     r_separation: Number
     repulsion: Number
     reverse: bool
+    rho: Number
     s: Number
     sense: Literal["counterclockwise", "clockwise"]
     sensing: Literal["tracking", "own"]

@@ -79,6 +79,7 @@ MODELS_APART = {
     "hwvem": replace(ON_TORUS, ticks=(0, 0, 4), seed=21),
     "hwvem-nav": replace(SCENES_OF_MODELS["hwvem-nav"], ticks=(0, 0, 600)),
     "ivem-a": replace(ON_TORUS, ticks=(0, 0, 6), seed=12, tail=5),
+    "leadership": replace(SCENES_OF_MODELS["leadership"], view=((4.0, 0.0), (30.0, 16.0))),
     "pedestrian": Scene((0, 0, 1000), 0.9, view=((8.0, 0.0), (23.0, 10.0))),
     "squashing": Scene((0, 0, 100), 0.8, tail=100),
     "squashing-best": Scene((0, 0, 400), 0.8, tail=200),

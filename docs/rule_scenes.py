@@ -48,6 +48,13 @@ SCENES = {
     "dorsogna": Scene((0, 50, 500, 6000), 0.24, seed=2, tail=10, view=((0.0, 0.0), (4.94, 4.94))),
     "active-brownian": Scene((0, 1000, 5000, 20_000), 1.0),
     "couzin": Scene((0, 60, 200, 1200), 1.6),
+    "leadership": Scene(
+        (0, 40, 100, 200),
+        1.3,
+        tail=15,
+        parameters={"omega": 0.5},
+        view=((-4.0, -8.0), (52.0, 20.0)),
+    ),
     "thesis": Scene((0, 100, 500, 3000), 1.6, seed=3),
     "safe": Scene((0, 100, 500, 3000), 1.6, seed=3, parameters={"alpha": 270.0, "v0": 2.0}),
     "guarded": Scene((0, 100, 500, 3000), 1.6, seed=3),

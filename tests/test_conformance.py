@@ -21,6 +21,7 @@ NOT_ALIKE = {
     "ivem-a": {"rotation"},
     "ivem-a-nav": {"rotation"},
     "guarded": {"mirror"},
+    "leadership": {"rotation", "mirror"},
     "pedestrian": {"rotation"},
 }
 """Models for which space has a preferred direction or side, by their papers' own equations."""

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from oracles import couzin
 
 from agents import Flock
+from agents.individuals import uniform
 
 OPEN = {"world": "open", "size": 10.0, "rng": 1}
 
@@ -60,6 +61,22 @@ def test_every_tick_is_the_papers(seed, n, dim, spread, alpha):
     for _ in range(5):
         assume(n == 1 or clear(flock.position, flock.heading, p))
         position, heading = couzin.step(flock.position.copy(), flock.heading.copy(), p)
+        flock.run(1)
+        np.testing.assert_allclose(flock.heading, heading, atol=1e-9)
+        np.testing.assert_allclose(flock.position, position, atol=1e-9)
+
+
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), dim=st.sampled_from((2, 3)))
+def test_agents_that_differ_act_each_by_its_own_numbers(seed, dim):
+    spread = {"r_r": uniform(0.5, 1.5), "s": uniform(2.0, 4.0), "theta": uniform(20.0, 60.0)}
+    flock = Flock("couzin", start=start(seed, 12, dim, 8.0), dim=dim, sigma=0.0, **OPEN, **spread)
+    zones = [
+        couzin.Zones(**{name: float(flock.own[name][k]) for name in spread}) for k in range(12)
+    ]
+    for _ in range(5):
+        assume(all(clear(flock.position, flock.heading, p) for p in zones))
+        position, heading = couzin.step_of_each(flock.position.copy(), flock.heading.copy(), zones)
         flock.run(1)
         np.testing.assert_allclose(flock.heading, heading, atol=1e-9)
         np.testing.assert_allclose(flock.position, position, atol=1e-9)

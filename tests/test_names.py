@@ -21,6 +21,7 @@ ALLOWED = {
     "app/studies": set(OBSERVABLES),  # what is measured of a paper's runs is the paper's choice
     "app/classroom/collect": set(OBSERVABLES),  # and of a class its lessons'
     "app/tracks": set(OBSERVABLES),  # measures of tracks are called as those of flocks
+    "app/tracks/measures/leaders.py": {"leadership"},  # who leads whom, a measure of tracks
     "app/live": {"safe", "car"},  # a room that is not armed; a car
     "app/viewer/live": {"safe", "car"},
     "app/viewer/scene": {"safe", "car"},  # what the legend calls one

@@ -6,10 +6,11 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from agents.individuals import as_distribution
-from agents.spec import OPTIONS, Options
+from agents.kinds import Kind, Relation, as_kinds
+from agents.spec import OPTIONS, Options, relations, values_of, values_of_kinds
 from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.measure import Settings
 from worlds.input_error import InputError
@@ -119,7 +120,20 @@ class PublishedMeasure(StrictTable):
         return sum(self.values) / len(self.values) if self.values else self.mean
 
 
-class PaperRow(StrictTable, Options):
+class WithKinds(StrictTable):
+    """The kinds of agents of a row or a sweep, as a spec has them; see `agents.kinds`."""
+
+    kinds: Annotated[
+        tuple[Kind, ...], PlainValidator(as_kinds), PlainSerializer(values_of_kinds)
+    ] = ()
+    """Kinds beside the ordinary agents."""
+    to: Annotated[dict[str, Relation], PlainValidator(relations), PlainSerializer(values_of)] = (
+        Field(default_factory=dict)
+    )
+    """What the ordinary agents do about them, by their names."""
+
+
+class PaperRow(WithKinds, Options):
     """One row of a table, and its options, with the published numbers by measure."""
 
     model: str
@@ -144,7 +158,7 @@ class PaperRow(StrictTable, Options):
         return self
 
 
-class PaperSweep(StrictTable, Options):
+class PaperSweep(WithKinds, Options):
     """One parameter over several values, for several sizes of flock, and its options.
 
     An option that is a number, as `delay`, stands where a parameter may.
@@ -229,6 +243,43 @@ class NearClaim(StatedClaim):
     within: float = Field(gt=0.0)
 
 
+class BoundedClaim(StatedClaim):
+    """What all claims have that set one bound to a mean."""
+
+    above: float | None = None
+    below: float | None = None
+
+    @model_validator(mode="after")
+    def _has_one_bound(self) -> BoundedClaim:
+        if (self.above is None) == (self.below is None):
+            raise ValueError("either above or below is needed")
+        return self
+
+    @property
+    def bound(self) -> float:
+        """The bound that is set."""
+        return next(value for value in (self.below, self.above) if value is not None)
+
+    @property
+    def sign(self) -> float:
+        """1 where the mean is to be above the bound, -1 where below."""
+        return -1.0 if self.above is None else 1.0
+
+    @property
+    def bound_words(self) -> str:
+        """The bound in words."""
+        return f"{'below' if self.above is None else 'above'} {self.bound:g}"
+
+
+class MeanClaim(BoundedClaim):
+    """The mean of a measure in some rows is beyond a bound."""
+
+    says: Literal["mean"]
+    labels: list[str] = Field(min_length=1)
+    agents: list[int] = Field(default_factory=list)
+    """The sizes that it is said of; empty: all."""
+
+
 class ScalingClaim(StatedClaim):
     """A measure goes with a power of the number of agents, over the sizes of a row's label."""
 
@@ -295,28 +346,21 @@ class SizeClaim(StatedClaim):
     """Of the mean at each size, the share by which the next is more, or less, at least."""
 
 
-class ReachClaim(StatedClaim):
+class ReachClaim(BoundedClaim):
     """The mean of a measure is beyond a bound at some value of a sweep, or at none."""
 
     says: Literal["reaches"]
     label: str
     agents: list[int] = Field(min_length=1)
-    above: float | None = None
-    below: float | None = None
     nowhere: bool = False
     """Whether it is said to be so at no value."""
-
-    @model_validator(mode="after")
-    def _has_one_bound(self) -> ReachClaim:
-        if (self.above is None) == (self.below is None):
-            raise ValueError("either above or below is needed")
-        return self
 
 
 DeclaredClaim = Annotated[
     OrderClaim
     | EveryRunClaim
     | NearClaim
+    | MeanClaim
     | ScalingClaim
     | FasterClaim
     | EnduranceClaim

@@ -147,16 +147,22 @@ def spec_of(
     """The run of a row or a sweep, but for its seed. Raises InputError."""
     settings = file.settings
     informed = model(of.model).informed if of.informed is None else of.informed
+    others = informed + sum(kind.agents for kind in of.kinds)
+    if settings.n_counts_informed and others >= agents:
+        raise InputError(
+            f"agents = {agents}, but {others} of them are information agents or of a kind: N "
+            "counts all, and one ordinary agent is needed"
+        )
     base = Spec(
         of.model,
-        agents=agents - informed if settings.n_counts_informed else agents,
+        agents=agents - others if settings.n_counts_informed else agents,
         size=size or file.sizes.get(str(agents)),
         dim=settings.dim,
         world=settings.world,
         parameters=settings.parameters,
         **of.chosen,
     )
-    return spec_with(base, parameters)
+    return spec_with(base.but(kinds=of.kinds, to=of.to), parameters)
 
 
 def points_of(sweep: PaperSweep) -> list[tuple[dict[str, ParameterValue], Value, Way]]:

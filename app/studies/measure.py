@@ -84,7 +84,7 @@ class Settings(StrictTable):
     """Dimensions; None for the world's own, or 2."""
     parameters: dict[str, ParameterValue] = Field(default_factory=dict)
     n_counts_informed: bool = False
-    """Whether the paper counts the information agents in N."""
+    """Whether the paper counts the information agents, and those of all kinds, in N."""
 
     @property
     def stops(self) -> Sequence[int]:

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from agents import Flock
 from app.studies.claims.claims import claims, verdicts
-from app.studies.experiment_file import EqualityClaim, ReachClaim, SizeClaim
+from app.studies.experiment_file import EqualityClaim, MeanClaim, ReachClaim, SizeClaim
 from app.studies.experiment_reader import read_experiment, read_file
 from app.studies.experiment_runner import MeasuredCase, run_experiment
 from app.studies.figures import draw
@@ -196,6 +196,24 @@ def test_two_rows_are_alike_within_a_distance(tmp_path):
             measured.append(MeasuredCase(case, {name: list(values) for name in MEASURES}))
         claim = EqualityClaim(says="alike", measure="order", labels=("thin", "dense"), within=0.05)
         assert words(verdicts(experiment, measured), claim) == [word]
+
+
+def test_the_means_of_rows_are_beyond_a_bound(tmp_path):
+    experiment = small(tmp_path)
+    rng = np.random.default_rng(3)
+    for mean, word in ((0.3, "holds"), (-0.3, "does not hold"), (0.001, "undecided")):
+        measured = [
+            MeasuredCase(case, {name: list(mean + 0.1 * rng.normal(size=20)) for name in MEASURES})
+            for case in experiment.cases
+        ]
+        made = verdicts(experiment, measured)
+        claim = MeanClaim(says="mean", measure="order", labels=["thin", "dense"], above=0.0)
+        told = claims(made, [claim])[-2:]
+        assert [one.word for one in told] == [word, word]
+        assert "mean order above 0; it is" in told[0].text
+        below = MeanClaim(says="mean", measure="order", labels=["thin"], below=0.0)
+        opposite = {"holds": "does not hold", "does not hold": "holds"}
+        assert words(made, below) == [opposite.get(word, word)]
 
 
 def test_a_claim_needs_one_bound(tmp_path):

@@ -66,10 +66,16 @@ def turned(heading, direction, most):
 
 def step(position, heading, p):
     """All agents at once: (position, heading) at t + tau."""
+    return step_of_each(position, heading, [p] * len(position))
+
+
+def step_of_each(position, heading, zones):
+    """The same where every agent has zones of its own, a list of them."""
     new = heading.copy()
-    for i in range(len(position)):
+    for i, p in enumerate(zones):
         direction = wanted(i, position, heading, p)
         if direction is not None:
             unit = direction / math.sqrt(direction @ direction)
             new[i] = turned(heading[i], unit, math.radians(p.theta) * p.tau)
-    return position + p.s * p.tau * new, new
+    way = np.array([p.s * p.tau for p in zones])
+    return position + way[:, None] * new, new

@@ -113,6 +113,8 @@ OTHERWISE = (
     ),
     Otherwise("formation vee", "--draws 20", "fewer draws: a thousand take ten seconds"),
     Otherwise("paper couzin2002-phases", None, "84 rows; tests/papers/test_couzin2002.py has some"),
+    Otherwise("paper couzin2005-leadership", None, "minutes; test_couzin2005.py has some"),
+    Otherwise("paper couzin2002-sorting", None, "350 runs; tests/papers/test_couzin2002.py has 28"),
     Otherwise(
         "paper formation-echelon", None, "minutes; tests/experiments/test_missions.py reads it"
     ),

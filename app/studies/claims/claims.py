@@ -27,6 +27,7 @@ from app.studies.experiment_file import (
     ExpectedVerdict,
     FasterClaim,
     LagClaim,
+    MeanClaim,
     NearClaim,
     OrderClaim,
     PaperSweep,
@@ -127,6 +128,8 @@ def judge_claim(declared: DeclaredClaim, points: list[Verdict]) -> list[tuple[st
         ]
     if isinstance(declared, NearClaim):
         return near_claim(declared, points)
+    if isinstance(declared, MeanClaim):
+        return mean_claim(declared, points)
     if isinstance(declared, ScalingClaim):
         return scales_claim(declared, points)
     if isinstance(declared, PhaseClaim):
@@ -235,6 +238,22 @@ def every_claim(claim: EveryRunClaim, verdicts: list[Verdict]) -> list[tuple[str
             join_all([share_of_runs(*share, claim.share, of) for share in shares]),
         )
     ]
+
+
+def mean_claim(claim: MeanClaim, verdicts: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
+    """Whether the means of some rows are beyond a bound, each a claim of its own."""
+    rows = [row for row in verdicts if row.case.label in claim.labels and row.values]
+    rows = [row for row in rows if not claim.agents or row.case.agents in claim.agents]
+    answers = []
+    for row in rows:
+        unit = "" if row.unit == "1" else f" {row.unit}"
+        text = (
+            f"{row.case.label}, N = {row.case.agents}: mean {row.measure.symbol} "
+            f"{claim.bound_words}{unit}; it is {mean_of(row.ranges, unit)}"
+        )
+        margins = row.ranges.add(-claim.bound).times(claim.sign)
+        answers.append((text, mean_above(margins, len(rows))))
+    return answers
 
 
 def near_claim(claim: NearClaim, verdicts: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:

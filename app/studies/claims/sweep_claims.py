@@ -124,16 +124,13 @@ def reaches_claim(claim: ReachClaim, verdicts: list[Verdict]) -> list[tuple[str,
     rows = [row for row in rows if row.values]
     if not rows:
         return []
-    below = claim.below is not None
-    bound = next(value for value in (claim.below, claim.above) if value is not None)
-    sign = -1.0 if below else 1.0
-    margins = [row.ranges.add(-bound).times(sign) for row in rows]
+    margins = [row.ranges.add(-claim.bound).times(claim.sign) for row in rows]
     most = max(zip(margins, rows, strict=True), key=lambda pair: float(pair[0].least.mean()))[1]
     low, high = most.ranges.interval()
-    words = f"{'below' if below else 'above'} {bound:g}"
+    extreme = "least" if claim.above is None else "most"
     text = (
         f"{claim.label}, N = {', '.join(map(str, claim.agents))}: mean {rows[0].measure.symbol} "
-        f"{words} {'nowhere' if claim.nowhere else 'somewhere'}; {'least' if below else 'most'} "
+        f"{claim.bound_words} {'nowhere' if claim.nowhere else 'somewhere'}; {extreme} "
         f"{most.summary.mean:.3f} at {most.case.own_sweep.parameter} = {name(most.case.value)} "
         f"(99 %: {low:.3f} to {high:.3f})"
     )
