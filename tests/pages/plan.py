@@ -15,6 +15,9 @@ NOT_RUN = {
     "uv run python packing/release.py --out dist": "takes an hour: tests/packing/test_release.py",
     "pip download --no-deps trajectorytools==0.4.2": "asks a package index",
     "python -m zipfile -e trajectorytools-0.4.2-py3-none-any.whl .": "needs what that brings",
+    "python benchmarks/studies/measured_flow.py 040_c_56_h-.txt --line -1.1": (
+        "needs the file of the experiment: tests/papers/test_adrian2020.py runs it on another"
+    ),
     "uv run python docs/learn_to_evade.py --out learning.png": (
         "takes a minute: tests/test_learning.py runs a generation of it"
     ),
