@@ -76,6 +76,8 @@ def test_a_tick_is_that_of_the_naive_flock(seed, dim, interpret):
 def equal_kinds(name, **words):
     """A flock of one kind, and one of two that take each other as their own; 25 ticks of both."""
     model = MODELS[name]
+    if "neighbours" in model.parameters.model_fields:
+        words = {"neighbours": "metric"} | words
     alike = Flock(name, agents=24, rng=3, **words)
     spec = alike.spec.but(agents=16, kinds=[Kind("b", 8, to={"flock": "own"})], to={"b": "own"})
     kinds = Flock(spec)
