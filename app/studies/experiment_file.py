@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, PlainValidator, model_validator
 
 from agents.individuals import as_distribution
-from agents.spec import OPTIONS, Options
+from agents.kinds import Kind, Relation, as_kinds
+from agents.spec import OPTIONS, Options, relations
 from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.measure import Settings
 from worlds.input_error import InputError
@@ -119,7 +120,19 @@ class PublishedMeasure(StrictTable):
         return sum(self.values) / len(self.values) if self.values else self.mean
 
 
-class PaperRow(StrictTable, Options):
+class KindsOfRun(StrictTable):
+    """Kinds of agents beside the ordinary ones, and what these do about them, as in a spec."""
+
+    kinds: Annotated[tuple[Kind, ...], PlainValidator(as_kinds)] = ()
+    to: Annotated[dict[str, Relation], PlainValidator(relations)] = Field(default_factory=dict)
+
+    @property
+    def of_kinds(self) -> dict[str, Any]:
+        """What there is of both, by the names that a spec has for them."""
+        return {key: value for key in ("kinds", "to") if (value := getattr(self, key))}
+
+
+class PaperRow(KindsOfRun, Options):
     """One row of a table, and its options, with the published numbers by measure."""
 
     model: str
@@ -144,7 +157,7 @@ class PaperRow(StrictTable, Options):
         return self
 
 
-class PaperSweep(StrictTable, Options):
+class PaperSweep(KindsOfRun, Options):
     """One parameter over several values, for several sizes of flock, and its options.
 
     An option that is a number, as `delay`, stands where a parameter may.

@@ -155,6 +155,7 @@ def spec_of(
         world=settings.world,
         parameters=settings.parameters,
         **of.chosen,
+        **of.of_kinds,
     )
     return spec_with(base, parameters)
 

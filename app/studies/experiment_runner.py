@@ -17,7 +17,7 @@ import numpy as np
 from agents.catalogue import is_built_in
 from agents.engine.cache import fingerprint as feed
 from agents.flock import Flock
-from agents.spec import Spec, versions
+from agents.spec import Spec, values_of, values_of_kinds, versions
 from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.experiment_file import PLAIN
 from app.studies.measure import Number, Settings
@@ -146,6 +146,8 @@ def fingerprint(case: Case, settings: Settings) -> str:
     if case.row and case.row.mission != PLAIN:
         shared |= {"mission": case.row.mission.model_dump()}
     shared |= case.spec.chosen
+    if case.spec.kinds:
+        shared |= {"kinds": values_of_kinds(case.spec.kinds), "to": values_of(case.spec.to)}
     digest = hashlib.sha256(json.dumps([shared, versions()], sort_keys=True).encode())
     digest.update(json.dumps(flock.parameters.model_dump(), sort_keys=True).encode())
     digest.update(inspect.getsource(type(settings)).encode())
@@ -330,7 +332,8 @@ def slowness(case: Case) -> float:
 def compile_models(experiment: Experiment, tell: Tell | None) -> None:
     """Compile the loop of every model before the threads start: numba compiles one at a time."""
     for case in {
-        (case.spec.model, str(case.spec.chosen)): case for case in experiment.cases
+        (case.spec.model, str(case.spec.chosen), bool(case.spec.kinds)): case
+        for case in experiment.cases
     }.values():
         flock = flock_of(case, 0)
         compile_loop(flock, tell)
