@@ -118,7 +118,7 @@ RULE = Rule(
     equation=r"\dot x_j = \frac{1}{N} \sum_{k \ne j} \left[ \frac{x_j - x_k}{|x_j - x_k|^2} - "
     r"a\, (x_j - x_k) \right]",
     source="Chen and Kolokolnikov 2014",
-    tags=("biology", "predator", "prey", "hunting", "aggregation", "ring", "swarm"),
+    tags=("biology", "predator", "prey", "hunting", "aggregation", "ring"),
     parameters=PreySwarm,
     **of_pairs(4, term, answer),
     wish="velocity",

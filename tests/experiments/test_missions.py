@@ -259,6 +259,8 @@ SHORT = {
     "reynolds1987": ({"settle": 2, "looks": 2}, []),
     "vasarhelyi2018": ({"settle": 2, "looks": 2}, []),
     "cucker-smale2007": ({"lasts": 20, "looks": 2}, [2]),
+    "chen2014-predator": ({"settle": 1.0}, [100]),
+    "chen2014-chase": ({"settle": 1.0, "lasts": 2.0, "last": 1.0}, []),
     "dorsogna2006": ({"lasts": 5, "looks": 2, "every": 2}, []),
     "dorsogna2006-size": ({"lasts": 5, "looks": 2, "every": 2}, []),
     "bechinger2016-msd": ({"long": 2.1}, []),
