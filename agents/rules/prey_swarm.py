@@ -127,6 +127,10 @@ RULE = Rule(
     forces=FORCES,
     explain=explain,
     led=False,
+    checked="the mean square radius of the ring about a predator, which is exact (off, in "
+    "parts per million), and the strengths of the predator between which the ring stays: "
+    "{chen2014-predator#1}; {chen2014-predator#7}; {chen2014-predator#10} "
+    "(`flockscope paper chen2014-predator`)",
     tries=(
         LessonStep(
             "Make the attraction four times as strong.",

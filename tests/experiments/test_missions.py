@@ -259,6 +259,7 @@ SHORT = {
     "reynolds1987": ({"settle": 2, "looks": 2}, []),
     "vasarhelyi2018": ({"settle": 2, "looks": 2}, []),
     "cucker-smale2007": ({"lasts": 20, "looks": 2}, [2]),
+    "adrian2020-bottleneck": ({"limit": 20.0}, []),
     "chen2014-predator": ({"settle": 1.0}, [100]),
     "chen2014-chase": ({"settle": 1.0, "lasts": 2.0, "last": 1.0}, []),
     "dorsogna2006": ({"lasts": 5, "looks": 2, "every": 2}, []),

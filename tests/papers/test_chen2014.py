@@ -80,9 +80,9 @@ def test_a_weak_predator_is_left_behind_and_a_strong_one_goes_round(tmp_path):
     made = verdicts(experiment, done.measured)
     away = {label: found for (label, _), found in values(made, "away").items()}
     assert min(away["c 0.06"]) > 1.0 > 0.5 > max(away["c 1.2"]) > 0.2 > 0.03 > max(away["c 0.45"])
-    turning = {label: found for (label, _), found in values(made, "turning").items()}
-    assert min(turning["c 1.2"]) > 1.0
-    assert turning["c 0.45"] == [None, None]
+    circling = {label: found for (label, _), found in values(made, "circling").items()}
+    assert min(circling["c 1.2"]) > 1.0
+    assert circling["c 0.45"] == [None, None]
     assert "does not hold" not in {one.word for one in claims(made, experiment.said)}
 
 

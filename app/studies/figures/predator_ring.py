@@ -200,7 +200,7 @@ class RingSettings(HuntSettings):
     kind: ClassVar[str] = "predator-ring"
     measures: ClassVar[tuple[Measure, ...]] = (
         Measure("off", "off", "Mean square distance to the centre over the exact one, less 1",
-                "1e-6"),
+                "ppm"),
         Measure("inner", "inner", "Innermost from R1 outwards, in spacings of prey", "1"),
         Measure("outer", "outer", "Outermost from R2 inwards, in spacings of prey", "1"),
         Measure("fourth", "r^4", "Mean fourth power of the distance over that of an even ring",
@@ -272,7 +272,7 @@ class ChaseSettings(HuntSettings):
         Measure("away", "away", "Distance of the predator from the centre of the prey at the end, "
                 "over R2", "1", bounds=COUNT),
         Measure("drift", "drift", "Speed of the centre of the prey", "length/s", bounds=COUNT),
-        Measure("turning", "turning", "Rate at which the predator goes round that centre, either "
+        Measure("circling", "circling", "Rate at which the predator goes round that centre, either "
                 "way", "rad/s", "it is in the middle", bounds=COUNT),
     )  # fmt: skip
 
@@ -281,7 +281,7 @@ class ChaseSettings(HuntSettings):
     lasts: float = Field(gt=0.0)
     """Time for which they meet the predator of the row, s."""
     last: float = Field(gt=0.0)
-    """Time at the end over which drift and turning are measured, s."""
+    """Time at the end over which drift and circling are measured, s."""
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let prey come to rest, then give the predator the strength of the row."""
@@ -297,14 +297,14 @@ class ChaseSettings(HuntSettings):
             offsets.append(offset_of(flock))
         away = np.array(offsets)
         angle = np.unwrap(np.arctan2(away[:, 1], away[:, 0]))
-        turning = abs(float(angle[-1] - angle[0])) / self.last
+        circling = abs(float(angle[-1] - angle[0])) / self.last
         is_in_middle = float(np.hypot(*away[-1])) < self.most
         return {
             "growth": growth,
             "miss": growth - law.growth,
             "away": float(np.hypot(*away[-1])) / law.outer,
             "drift": float(np.hypot(*(centre_of(flock) - centre))) / self.last,
-            "turning": None if is_in_middle else turning,
+            "circling": None if is_in_middle else circling,
         }
 
     def begin(self, flock: Flock, law: RingLaw, between: Callable[[], None]) -> np.ndarray:
