@@ -15,6 +15,7 @@ from agents.bodies import (
     constant_speed,
     double_integrator,
     drone,
+    first_order,
     flyer,
     navigator,
     old_heading,
@@ -45,6 +46,7 @@ from agents.rules import (
     leadership,
     olfati_saber,
     pedestrian,
+    prey_swarm,
     reynolds,
     safe_zones,
     squashing,
@@ -124,6 +126,12 @@ BUILT_IN = [
         dim=2,
         defaults={"dt": 0.02, "v_start": 1.0},
         tells=("angular-momentum", "polarisation", "gyration-radius", "velocity-spread"),
+    ),
+    Model(
+        prey_swarm.RULE,
+        first_order.BODY,
+        world="open",
+        tells=("gyration-radius", "nearest-neighbour"),
     ),
     Model(
         active_brownian.RULE,

@@ -261,6 +261,7 @@ class Flock(TickClock, HuntingMotion):
         parameters = checked(self.model.parameters, spec.parameters)
         is_same = self.ranks == 1 and self.world is world and self.parameters == parameters
         is_same = is_same and self.individuals == spec.individuals
+        is_same = is_same and self.kinds == kind_table(spec.kinds, spec.to)
         self.parameters = parameters
         for member in self._members or ():
             member.leave()

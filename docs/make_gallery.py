@@ -81,6 +81,7 @@ MODELS_APART = {
     "ivem-a": replace(ON_TORUS, ticks=(0, 0, 6), seed=12, tail=5),
     "leadership": replace(SCENES_OF_MODELS["leadership"], view=((4.0, 0.0), (30.0, 16.0))),
     "pedestrian": Scene((0, 0, 1000), 0.9, view=((8.0, 0.0), (23.0, 10.0))),
+    "prey-swarm": Scene((0, 0, 100), 0.13, tail=40, view=((0.6, 0.6), (4.34, 4.34))),
     "squashing": Scene((0, 0, 100), 0.8, tail=100),
     "squashing-best": Scene((0, 0, 400), 0.8, tail=200),
     "topological": replace(ON_TORUS, seed=14, tail=10, length=0.3),

@@ -46,6 +46,7 @@ SCENES = {
     "vasarhelyi": Scene((0, 100, 400, 900), 7.0, tail=60),
     "cucker-smale": Scene((0, 20, 80, 400), 0.45, tail=20, view=((-2.0, -2.0), (7.0, 7.0))),
     "dorsogna": Scene((0, 50, 500, 6000), 0.24, seed=2, tail=10, view=((0.0, 0.0), (4.94, 4.94))),
+    "prey-swarm": Scene((0, 50, 150, 2000), 0.13, tail=30, view=((0.0, 0.0), (4.94, 4.94))),
     "active-brownian": Scene((0, 1000, 5000, 20_000), 1.0),
     "couzin": Scene((0, 60, 200, 1200), 1.6),
     "leadership": Scene(

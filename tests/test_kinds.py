@@ -260,6 +260,16 @@ def test_a_flock_whose_prey_is_gone_says_so_and_runs_on():
 # Files, copies, scripts.
 
 
+def test_a_hunt_that_is_begun_again_has_the_relations_that_it_was_made_with():
+    flock = hunt()
+    flock.run(10)
+    before = flock.position.copy()
+    flock.relate("shark", "flock", chase(5.0, 2.0))
+    flock.restart(3)
+    flock.run(10)
+    assert np.array_equal(flock.position, before)
+
+
 def test_a_saved_hunt_goes_on_to_the_bit(tmp_path):
     flock = hunt()
     flock.relate("shark", "flock", chase(1.5, 2.0, catch=0.3))

@@ -332,7 +332,8 @@ def slowness(case: Case) -> float:
 def compile_models(experiment: Experiment, tell: Tell | None) -> None:
     """Compile the loop of every model before the threads start: numba compiles one at a time."""
     for case in {
-        (case.spec.model, str(case.spec.chosen)): case for case in experiment.cases
+        (case.spec.model, str(case.spec.chosen), bool(case.spec.kinds)): case
+        for case in experiment.cases
     }.values():
         flock = flock_of(case, 0)
         compile_loop(flock, tell)
