@@ -216,8 +216,7 @@ class Flock(TickClock, HuntingMotion):
         else:
             begin, own = self._start_from_arrays(start)
         informed_count = int(begin.informed.sum())
-        of_kinds = sum(kind.agents for kind in spec.kinds)
-        ordinary = len(begin.position) - informed_count - of_kinds
+        ordinary = len(begin.position) - informed_count - spec.count_of_kinds
         counts = {"agents": ordinary, "informed": informed_count}
         self.options = spec.model_copy(update={"seed": seed} | counts)
         self._members: list[Member] | None = None
@@ -441,16 +440,22 @@ class Flock(TickClock, HuntingMotion):
         kinds = tuple(
             one.with_parameters(values) if one.name == kind else one for one in self.kinds.kinds
         )
-        self._change_kinds(replace(self.kinds, kinds=kinds))
+        self.change_kinds(replace(self.kinds, kinds=kinds))
 
     def relate(self, kind: str, other: str, relation: Any) -> None:
         """Change what the agents of a kind do about those of another: `chase(2.0, 10.0)`, `flee`,
         `"own"`, `"ignore"`. Raises InputError, and then changes nothing."""
-        self._change_kinds(self.kinds.with_relation(kind, other, relation))
+        self.change_kinds(self.kinds.with_relation(kind, other, relation))
 
-    def _change_kinds(self, kinds: KindTable) -> None:
-        """Go on with other kinds of the same names. Raises InputError."""
+    def change_kinds(self, kinds: KindTable) -> None:
+        """Go on with other parameters and relations of the same kinds. Raises InputError, and then
+        changes nothing."""
         before = self.kinds
+        if kinds.names != before.names:
+            raise InputError(
+                f"kinds {', '.join(kinds.names)} are not allowed: this flock has "
+                f"{', '.join(before.names)}"
+            )
         self._demand_kinds(kinds)
         self.kinds = kinds
         try:
@@ -683,7 +688,9 @@ class Flock(TickClock, HuntingMotion):
         """The run of a spec as it was in a snapshot, from which it goes on. Raises InputError."""
         start = {"position": saved.position, "heading": saved.heading}
         run = complete_spec(spec, catalogue.model(spec.model))
-        flock = cls(run, start=start, **more)
+        # Without its kinds: of these some may have been caught, and fewer be left than it asks for.
+        flock = cls(run.but(kinds=(), to={}), start=start, **more)
+        flock._demand_kinds(saved.kinds)
         flock.options = run
         flock.return_to(saved)
         return flock

@@ -288,6 +288,27 @@ class KindTable:
     to: dict[str, Relation] = field(default_factory=dict)
     """What the ordinary agents do by their own relation about other kinds."""
 
+    def kind(self, name: str) -> Kind:
+        """A kind by its name. Raises InputError for one that there is not, as the ordinary one."""
+        for one in self.kinds:
+            if one.name == name:
+                return one
+        raise unknown("kind", name, self.names[1:])
+
+    def with_kind(self, kind: Kind) -> KindTable:
+        """The same with another kind in the place of the one of its name."""
+        kinds = (kind if one.name == kind.name else one for one in self.kinds)
+        return kind_table(tuple(kinds), self.to)
+
+    def without(self, name: str) -> KindTable:
+        """The same without a kind, and without what others do about it."""
+        kinds = tuple(
+            replace_kind(one, to={key: to for key, to in one.to.items() if key != name})
+            for one in self.kinds
+            if one.name != name
+        )
+        return kind_table(kinds, {key: to for key, to in self.to.items() if key != name})
+
     @property
     def names(self) -> tuple[str, ...]:
         """Of all kinds, in the order of their numbers."""

@@ -419,15 +419,7 @@ class Motion(FlockState):
 
     def _demand_kinds(self, kinds: KindTable) -> None:
         """Raise InputError for kinds that this flock's model cannot have."""
-        if kinds.kinds and self.nearest:
-            raise InputError(NOT_NEAREST)
-        for kind in kinds.kinds:
-            try:
-                numbers = split_individuals(kind.parameters)[0]
-                self.model.demand_individual(numbers)
-                checked(self.model.parameters, {**self.parameters.model_dump(), **numbers})
-            except InputError as error:
-                raise InputError(f"kind {kind.name}: {error}") from None
+        demand_kinds(self.model, self.parameters, kinds)
 
     def _no_wishes(self, n: int) -> np.ndarray:
         """What n agents are told to wish where some kind is steered: nothing yet. `Arrays.wish`."""
@@ -677,6 +669,19 @@ class Motion(FlockState):
     def signal(self, name: str) -> np.ndarray:
         """One row of `signals` by name, a copy (N,); a layer of N + 1 is unknown. Or InputError."""
         return self.snapshot(copy=False, signals=name in self.model.signals).signal(name)
+
+
+def demand_kinds(model: Model, parameters: Parameters, kinds: KindTable) -> None:
+    """Raise InputError for kinds that flocks of a model with these parameters cannot have."""
+    if kinds.kinds and model.nearest(parameters):
+        raise InputError(NOT_NEAREST)
+    for kind in kinds.kinds:
+        try:
+            numbers = split_individuals(kind.parameters)[0]
+            model.demand_individual(numbers)
+            checked(model.parameters, {**parameters.model_dump(), **numbers})
+        except InputError as error:
+            raise InputError(f"kind {kind.name}: {error}") from None
 
 
 def pad_to_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:

@@ -79,12 +79,20 @@ class FlockState:
     """Who was caught so far: when, its identity, that of the catcher (`gate`), and where."""
 
     @property
+    def kind_numbers(self) -> np.ndarray:
+        """The number of each agent's kind, int (N,): of the ordinary ones 0, then in the order of
+        `kinds`; -1 of who was caught and stands still."""
+        if not self.kinds.kinds:
+            return np.zeros(len(self.ids), int)
+        return self.arrays.kind.astype(int)
+
+    @property
     def kind_names(self) -> np.ndarray:
         """The name of each agent's kind, str (N,); `caught` of who was caught and stands still."""
         names = np.array([*self.kinds.names, "caught"])
         if not self.kinds.kinds:
             return np.full(len(self.ids), names[0])
-        name: np.ndarray = names[self.arrays.kind.astype(int)]
+        name: np.ndarray = names[self.kind_numbers]
         return name
 
     @property
@@ -176,6 +184,13 @@ class FlockState:
         if not isinstance(computed, property) or computed.fget is None or not len(self.ids):
             return shared
         return float(self._evaluate(computed.fget).max())
+
+    @property
+    def has_turnover(self) -> bool:
+        """Whether agents may come or go while it runs: by sources and exits, or as they are caught
+        and taken."""
+        takes = (relation.caught == "taken" for _, _, relation in self.kinds.catchers)
+        return self.world.has_gates or any(takes)
 
     @property
     def _entered(self) -> list[tuple[SourceRegion, int]]:

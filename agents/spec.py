@@ -251,8 +251,12 @@ class Spec(Options):
     @property
     def count(self) -> int:
         """All agents, information agents and those of all kinds among them."""
-        of_kinds = sum(kind.agents for kind in self.kinds)
-        return (self.agents or 0) + (self.informed or 0) + of_kinds
+        return (self.agents or 0) + (self.informed or 0) + self.count_of_kinds
+
+    @property
+    def count_of_kinds(self) -> int:
+        """All agents of kinds beside the ordinary one."""
+        return sum(kind.agents for kind in self.kinds)
 
     def but(self, **changes: Any) -> Spec:
         """The same run with some things changed. Raises InputError."""

@@ -297,6 +297,11 @@ def demand_possible(flock: Flock) -> None:
             f"agents differ in {', '.join(flock.individuals)}: in a page that runs by itself all "
             "agents have the same parameters"
         )
+    if flock.kinds.kinds:
+        raise InputError(
+            f"there are kinds of agents ({', '.join(flock.kinds.names)}): in a page that runs by "
+            "itself all agents are of one kind"
+        )
     if not len(flock.ids):
         raise InputError("a page needs at least one agent")
     if flock.ranks != 1:

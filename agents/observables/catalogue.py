@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
+from agents.kinds import NAME
 from agents.observables import consistency, lanes, of_flocks, of_rows, order
 from agents.observables.groups import size_histogram
 from agents.observables.observable import (
@@ -461,6 +464,64 @@ def observable_of_entry(_: str, entry: object) -> tuple[str, Observable]:
 
 OBSERVABLES = BUILT_IN | plug_ins("flockscope.observables", observable_of_entry, BUILT_IN)
 """All observables: the built-in ones, then those of other packages, which replace none of these."""
+
+
+# The same of the agents of a kind alone: `polarisation of shark`.
+
+OF_KIND = " of "
+BY_KIND = ("polarisation", "angular-momentum")
+"""What is measured of each kind by itself."""
+
+
+def name_of_kind(name: str, kind: str) -> str:
+    """What an observable of the agents of a kind alone is called.
+
+    >>> name_of_kind("polarisation", "shark")
+    'polarisation of shark'
+    """
+    return f"{name}{OF_KIND}{kind}"
+
+
+def kind_observables(flock: Any) -> list[str]:
+    """What is measured of each kind of a flock, none where there are no kinds."""
+    if not has_kinds(flock):
+        return []
+    return [name_of_kind(name, kind) for name in BY_KIND for kind in flock.kinds.names]
+
+
+def is_observable(name: str) -> bool:
+    """Whether there is an observable of a name, or one of a kind alone."""
+    whole, sign, kind = name.partition(OF_KIND)
+    return name in OBSERVABLES or (whole in BY_KIND and bool(sign and NAME.fullmatch(kind)))
+
+
+@lru_cache(maxsize=256)
+def find_observable(name: str) -> Observable:
+    """An observable by its name, or that of the agents of a kind alone. Raises InputError.
+
+    What is of a kind takes a snapshot, and raises InputError for a kind that is not in it.
+    """
+    if name in OBSERVABLES:
+        return OBSERVABLES[name]
+    if not is_observable(name):
+        raise unknown("observable", name, OBSERVABLES)
+    whole, _, kind = name.partition(OF_KIND)
+    one = OBSERVABLES[whole]
+
+    def measure(snapshot: Any) -> Any:
+        return one.measure(snapshot.of(snapshot.rows_of(kind)))
+
+    return replace(
+        one,
+        name=name,
+        title=f"{one.title}, of the agents of kind {kind}",
+        measure=measure,
+        applies=has_kinds,
+        quick=False,
+        card=None,
+        beside="",
+        compiled=None,
+    )
 
 
 ORDERED = ("polarisation", "consistency", "mean-neighbours")

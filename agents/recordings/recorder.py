@@ -432,9 +432,7 @@ def arrays_of(table, dim: int, flock_model: Model, origin: str) -> Arrays:
             np.array(signals, float).reshape(len(signals), table.num_rows),
             np.column_stack(crash_record) if mortal else no_crashes(0, dim),
             past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(flock_model.signals)),
-            np.empty(0),
-            np.empty((0, 3)),
-            np.empty((table.num_rows, 0)),
+            own=np.empty((table.num_rows, 0)),
         )
     except KeyError as missing:
         raise InputError(f"{origin} has no column {missing}") from None

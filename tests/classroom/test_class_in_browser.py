@@ -15,6 +15,7 @@ from websockets.exceptions import InvalidStatus
 
 from agents import Flock
 from agents.individuals import normal
+from agents.kinds import Kind
 from app.classroom.browser_flocks import MOST_WATCHING, BrowserFlocks
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import Flocks
@@ -423,4 +424,11 @@ def test_agents_that_differ_run_on_the_server():
     scene = SavedScene("s", preset_spec("vem", agents=9, parameters={"eta": normal(0.5, 0.1)}))
     assert not runs_in_browser(scene, 5, None)
     with pytest.raises(InputError, match="agents differ in eta"):
+        runs_in_browser(scene, 5, FlockPlace.IN_BROWSER)
+
+
+def test_kinds_of_agents_run_on_the_server():
+    scene = SavedScene("s", preset_spec("vem", agents=9, kinds=[Kind("shark", 1)]))
+    assert not runs_in_browser(scene, 5, None)
+    with pytest.raises(InputError, match=r"there are kinds of agents \(flock, shark\)"):
         runs_in_browser(scene, 5, FlockPlace.IN_BROWSER)

@@ -13,6 +13,7 @@ import pytest
 import flockscope
 from agents.flock import Flock
 from agents.individuals import normal
+from agents.kinds import Kind, chase
 from agents.spec import Spec
 from app.classroom.collect.hand_in import hand_in, warm_up
 from app.classroom.collect.question import question_of
@@ -246,3 +247,15 @@ def test_what_a_question_is_about_cannot_differ():
         question_of(VALUES, scene)
     with pytest.raises(InputError, match=r"eta is what the class is asked about.* differ in it"):
         hand_in(ORDER, "Ada", scene, SCENE, WHEN)
+
+
+def test_a_result_of_other_kinds_is_told():
+    shark = Kind("shark", 2, to={"flock": chase(1.5, 2.0)})
+    scene = SCENE.with_values(kinds=(shark,))
+    point = hand_in(question_of(VALUES, scene), "Ada", scene, scene, WHEN)
+    assert point.differs == ()
+    assert Spec.from_toml(point.spec).kinds == (shark,)
+    alone = hand_in(question_of(VALUES, scene), "Ada", SCENE, scene, WHEN)
+    assert alone.differs == (
+        "other agents of shark: none, not 2", "other shark to flock: none, not chase 1.5, radius 2",
+    )  # fmt: skip

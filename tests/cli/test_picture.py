@@ -9,6 +9,8 @@ import pytest
 from PIL import Image
 
 from agents import Flock
+from agents.kinds import Kind, chase
+from agents.spec import Spec
 from app.viewer.pictures.key import caption, changes, nice, ruler
 from app.viewer.pictures.picture_camera import CameraRequest
 from app.viewer.pictures.picture_sheet import Sheet
@@ -181,3 +183,15 @@ def test_what_is_not_as_in_the_paper_is_said(flock):
         changes(shot(flock.snapshot(signals=True), look_of(flock.snapshot(), None)))
         == "eta = 0.25 rad"
     )
+
+
+def test_a_picture_has_the_colours_and_the_names_of_kinds():
+    kinds = [Kind("shark", 2, colour="#b03a2e", to={"flock": chase(1.0, 1.0, catch=0.3)})]
+    flock = Flock(Spec("vem", agents=30, seed=2, size=5.0, kinds=kinds))
+    now = flock.snapshot(signals=True)
+    one = shot(now, look_of(now, None))
+    assert [words for words, _ in one.entries] == ["flock", "shark"]
+    rows = flock.rows_of("shark")
+    assert [palette.css(colour) for colour in one.made.colour[rows]] == ["#b03a2e"] * 2
+    assert "30 agents, 2 of kind shark · seed 2" in caption(one)
+    assert Sheet(one, (640, 480), CameraRequest().camera(one)).as_bytes(".png")

@@ -10,6 +10,7 @@ from types import MappingProxyType, SimpleNamespace
 import numpy as np
 
 from agents.engine.arrays import Arrays
+from agents.kinds import NO_KINDS
 from agents.models.declare import Parameters, checked, parameter
 from agents.snapshot import Snapshot
 from agents.spec import Spec
@@ -47,6 +48,9 @@ class StubSnapshot(Snapshot):
 
     reach = together = dt = 1.0
 
+    def _largest(self, _name: str) -> float:
+        return 1.0
+
 
 class StubFlock:
     """Agents that fly straight on; at the tick `breaks_at` they raise `error` instead."""
@@ -54,6 +58,7 @@ class StubFlock:
     is_compiled = True
     loop = None
     individuals = own = redrawn = MappingProxyType({})
+    kinds = NO_KINDS
 
     def __init__(
         self,
@@ -75,7 +80,13 @@ class StubFlock:
         self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
         self.model = SimpleNamespace(
             rule=SimpleNamespace(
-                converges=False, zones=(), view="", hunters="", sees_points=False, form="birds"
+                converges=False,
+                zones=(),
+                reach="r",
+                view="",
+                hunters="",
+                sees_points=False,
+                form="birds",
             ),
             body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
             nearest=lambda _: 0,
@@ -121,7 +132,7 @@ class StubFlock:
         n, dim = self.position.shape
         state = self.position, self.heading, self.speed, self.informed, self.ids
         rest = np.zeros(n, np.int32), np.empty((0, n)), np.empty((0, 2 + dim)), np.empty((n, 0, 0))
-        arrays = Arrays(*(array.copy() for array in (*state, *rest)), np.empty((n, 0)))
+        arrays = Arrays(*(array.copy() for array in (*state, *rest)), own=np.empty((n, 0)))
         start = self.model, self.world, self.parameters, self.seed, self.tick, arrays
         return StubSnapshot(*start, next_id=n)
 

@@ -14,6 +14,7 @@ import tomlkit
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.individuals import normal, one_of, uniform
+from agents.kinds import Kind, chase
 from agents.spec import Spec
 from app.cli.lab import parameters
 from app.viewer.lab.panels.flock_monitors import compare_table
@@ -309,3 +310,19 @@ def test_the_command_line_gives_distributions_to_the_laboratory():
     assert own == {"s": normal(3.0, 0.5), "r_r": 2.0}
     with pytest.raises(InputError, match="tau cannot differ"):
         parameters("couzin", ["tau=normal(0.1, .01)"])
+
+
+@pytest.mark.parametrize(("model", "beside"), [("vem", "vem-a"), ("hwvem", "vem")])
+def test_kinds_are_in_the_first_flock_alone_and_the_others_begin_alike(model, beside):
+    kinds = [Kind("shark", 2, to={"flock": chase(1.0, 1.0, catch=0.5)})]
+    both = pair(model, beside, kinds=kinds)
+    first, second = both.flock, both.second.flock
+    rows = first.rows_of("flock")
+    assert second.kinds.names == ("flock",)
+    order, other = rows[np.argsort(first.ids[rows])], np.argsort(second.ids)
+    assert np.array_equal(first.ids[order], second.ids[other])
+    assert np.array_equal(first.position[order], second.position[other])
+    both.advance(5)
+    frame = both.look(closely=True)
+    assert frame.kind is not None
+    assert frame.beside.kind is None

@@ -14,6 +14,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.individuals import normal, one_of, uniform
 from agents.inspection import Inspection
+from agents.kinds import Kind, chase
 from agents.models.model import vector_name
 from app.viewer.lab.panels.inspector import FIRST, ON_ITS_WAY, Inspector, facts, folds, head
 from app.viewer.run.frame_builder import FrameBuilder
@@ -178,3 +179,22 @@ def test_the_reach_is_that_of_the_agent():
     reaches = FrameBuilder(couzin, 1).build().reaches
     assert np.allclose(reaches, [couzin.parameters_of(row).range for row in range(5)])
     assert FrameBuilder(Flock("vem", agents=5), 1).build().reaches is None
+
+
+def test_an_agent_tells_its_kind_and_what_that_has_as_its_own():
+    kinds = [Kind("shark", 1, s=normal(4.0, 0.1), to={"flock": chase(1.0, 5.0)}), Kind("whale", 1)]
+    flock = Flock(
+        preset_spec("couzin", seed=3, agents=9, kinds=kinds, parameters={"s": normal(3.0, 0.5)})
+    )
+    frame = FrameBuilder(flock, 1).build()
+    for kind, source in (
+        ("shark", "normal(4, 0.1)"), ("whale", "normal(3, 0.5)"), ("flock", "normal(3, 0.5)"),
+    ):  # fmt: skip
+        seen = flock.inspect(int(flock.rows_of(kind)[0]))
+        assert f"kind {kind}" in head(frame, seen)
+        (value,) = rows(folds(frame, seen)["own"][1]).values()
+        assert value.endswith(f"of {source}")
+    flock.arrays.kind[2] = -1.0
+    assert "caught" in head(FrameBuilder(flock, 1).build(), flock.inspect(2))
+    alone = Flock("vem", agents=5, rng=1)
+    assert "kind" not in head(FrameBuilder(alone, 1).build(), alone.inspect(2))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import re
+import shlex
 import zlib
 from dataclasses import replace
 
@@ -18,9 +19,11 @@ from agents import individuals
 from agents.catalogue import BUILT_IN, MODELS
 from agents.flock import Flock
 from agents.individuals import as_distribution, lognormal, normal, one_of, uniform
+from agents.kinds import Kind, chase, flee
 from agents.models.declare import TOPICS
 from agents.models.related import related_models
 from agents.spec import Spec
+from app.cli.options.run_arguments import requested_run
 from app.package_files import STATIC
 from app.viewer.gallery.lessons.lessons import lesson_names
 from app.viewer.gallery.saved_scene import (
@@ -377,7 +380,7 @@ def test_a_scene_keeps_what_differs_beside_and_how_it_is_coloured():
     [
         ("tau = {normal = [0.1, 0.01]}", r"tau cannot differ .* \(it\)"),
         ("s = {gamma = [1, 2]}", r"s: unknown distribution 'gamma'.* \(it\)"),
-        ("s = {normal = [1, -2]}", r"s: normal.* a standard deviation is >= 0"),
+        ("s = {normal = [1, -2]}", r"s: normal\(1, -2\) .* a standard deviation is >= 0"),
         ("x = {normal = [1, 2]}", "unknown parameter 'x'"),
     ],
 )
@@ -396,3 +399,62 @@ def test_a_step_of_a_lesson_moves_agents_that_differ_and_keeps_their_spread():
     assert step_spec(scene.spec, step).individuals == {"s": normal(4.0, 0.5)}
     text = replace(scene, steps=(step,)).to_toml()
     assert SavedScene.from_toml(text, "it").steps == (step,)
+
+
+# Kinds of agents.
+
+SHARK = Kind(
+    "shark", 2, parameters={"s": normal(4.0, 0.2), "theta": 60.0}, colour="#b03a2e",
+    start=[[0.0, 0.0, 0.0], [5.0, 5.5, 5.0]],
+    to={"all": chase(2.0, 10.0, power=2.0, catch=0.3, caught="frozen")},
+)  # fmt: skip
+WHALE = Kind("whale", 1, to={"shark": "own", "flock": flee(1.5)})
+
+
+def kinds_scene() -> SavedScene:
+    """A scene of three kinds of agents."""
+    to = {"shark": flee(3.0, 4.0, first=True)}
+    return SavedScene("mine", preset_spec("couzin", agents=6, kinds=[SHARK, WHALE], to=to))
+
+
+def test_kinds_come_back_from_a_file_an_address_and_words():
+    scene = kinds_scene()
+    first = Flock(scene.spec)
+    for read in (SavedScene.from_toml(scene.to_toml(), "a file"), unpack_scene(pack_scene(scene))):
+        assert (read.spec.kinds, read.spec.to) == (scene.spec.kinds, scene.spec.to)
+        assert np.array_equal(Flock(read.spec).position, first.position)
+    words = shlex.split(command_line(scene))
+    told = {name: [words[k + 1] for k, word in enumerate(words) if word == f"--{name}"]
+            for name in ("kind", "relation", "agents", "seed")}  # fmt: skip
+    options = {"kind": told["kind"], "relation": told["relation"]}
+    given = {"agents": int(told["agents"][0]), "seed": int(told["seed"][0])}
+    again, _ = requested_run("couzin", options | given, [])
+    script: dict[str, object] = {}
+    exec(python(scene).replace("flock.run(100)", ""), script)
+    for flock in (Flock(again), script["flock"]):
+        assert flock.kinds.relations == first.kinds.relations
+        assert np.array_equal(flock.position, first.position)
+        assert np.array_equal(flock.own["s"], first.own["s"])
+
+
+def test_a_scene_without_kinds_says_nothing_of_them():
+    scene = SavedScene("mine", preset_spec("vem", agents=6))
+    assert "kinds" not in scene.to_toml()
+    assert "kind" not in command_line(scene) + python(scene)
+    assert SavedScene.from_toml(scene.to_toml(), "a file").spec.kinds == ()
+
+
+@pytest.mark.parametrize(
+    ("kinds", "message"),
+    [
+        ("kinds = 3", r"kinds = 3 is not allowed: a list of kinds is needed \(it\)"),
+        ("kinds = [{name = 'a', parameters = {v0 = 99.0}}]", r"kind a: v0 = 99\.0 .*\(it\)"),
+        ("kinds = [{name = 'a', to = {b = {flee = 1}}}]", r"unknown kind 'b' .*\(it\)"),
+        ("kinds = [{name = 'a', agents = 200000}]", "with 200000 of kinds is not allowed"),
+        ("kinds = [{name = 'a'}]\nparameters = {neighbours = 'nearest'}", "neighbours=metric"),
+    ],
+)
+def test_kinds_that_cannot_be_are_refused_in_one_line(kinds, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        SavedScene.from_toml(f'[run]\nmodel = "vem"\n{kinds}\n', "it")
+    assert "\n" not in str(refusal.value)

@@ -10,6 +10,8 @@ import pytest
 
 from agents.flock import Flock
 from agents.individuals import normal
+from agents.kinds import Kind, chase
+from agents.spec import Spec
 from app.viewer.lab.panels.runs_panel import small_curve, table_bytes, table_html
 from app.viewer.lab.runs_file import (
     HEAD,
@@ -29,7 +31,9 @@ from worlds.input_error import InputError
 
 def read(ticks: int = 10, model: str = "vem", **given) -> FlockReadings:
     """A flock that has run, measured now and then."""
-    readings = FlockReadings(Flock(model, **{"agents": 8, "seed": 1} | given))
+    kinds = given.pop("kinds", ())
+    words = {"agents": 8, "seed": 1} | given
+    readings = FlockReadings(Flock(Spec(model, kinds=kinds), **words))
     readings.read(at_once=True)
     for _ in range(ticks // 5):
         readings.flock.advance(5)
@@ -302,3 +306,29 @@ def test_what_differs_is_written_in_the_table_and_read_again():
     history = read_again.runs[0].course.history
     assert history.steps["s"] == rows.rows[0].course.history.steps["s"]
     assert spec_of(history.first).individuals == {"s": normal(3.0, 0.5)}
+
+
+def test_kinds_are_written_in_the_table_and_read_again():
+    shark = Kind("shark", 2, v0=normal(0.05, 0.01), to={"flock": chase(1.5, 2.0, catch=0.2)})
+    run = read(model="vem", agents=20, kinds=[shark])
+    run.flock.relate("shark", "flock", chase(3.0, 2.0))
+    run.note_conditions()
+    run.watch(frozenset({"polarisation of shark"}))
+    run.flock.advance(5)
+    run.read(at_once=True)
+    rows = kept(run)
+    table = runs_table(rows.rows)
+    assert table["agents"] == [20]
+    assert table["agents of shark"] == [2]
+    assert table["v0 of shark"] == ["normal(0.05, 0.01)"]
+    assert table["shark to flock"] == ["chase 1.5, radius 2, catch 0.2, taken"]
+    assert "→ chase 3, radius 2 at tick 10" in table["changed"][0]
+    assert table["polarisation of shark"][0] <= 1.0
+    assert b"polarisation of shark" in table_bytes(rows.rows, "CSV")
+    read_again = read_runs("it", runs_as_bytes(rows.rows))
+    assert read_again.skipped == ()
+    (again,) = read_again.runs
+    assert again.course.history.steps == rows.rows[0].course.history.steps
+    assert spec_of(again.course.conditions).kinds == (shark,)
+    alone = kept(read(model="vem", agents=20), read(model="vem", agents=20, seed=2))
+    assert all("kinds" not in one for one in run_values(alone.rows[0], "a")["stretches"])

@@ -21,6 +21,7 @@ from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import UNWATCHED, Laboratory
 from app.viewer.panels import followed_value
 from app.viewer.panels.differences import REPLACED, TITLE
+from app.viewer.panels.kinds import ONE
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import KEYS
 from app.viewer.run.run_preset import preset_spec
@@ -68,6 +69,13 @@ def say(client: Any, **message: Any) -> None:
 
 def turn(client: Any, control: Any, value: Any) -> None:
     say(client, type="GuiUpdateMessage", uuid=control._impl.uuid, updates={"value": value})
+
+
+def press(client: Any, button: Any) -> None:
+    turn(client, button, True)
+
+
+SLIDERS = {"weight", "radius", "catch", "own"}
 
 
 def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
@@ -322,3 +330,53 @@ def test_agents_differ_by_a_slider_of_the_spread_and_undo_makes_them_alike(labor
     until(lambda: simulation.state.values["eta"] == 1.0)
     until(lambda: form.slider.value == 0.0 and form.folder.label == TITLE)
     until(lambda: "own eta" not in laboratory.view.form["colour"].options)
+
+
+def test_a_predator_is_added_tuned_undone_and_removed(laboratory, browser):
+    panel, simulation = laboratory.kinds, laboratory.simulation
+    assert ONE in panel.listed.content
+    ordinary = simulation.state.agents
+    press(browser, panel.predator)
+    until(lambda: simulation.state.kinds.names == ("flock", "predator"), COMPILED)
+    until(lambda: panel.which.value == "predator" and set(panel.sliders) == SLIDERS, COMPILED)
+    relation = simulation.state.kinds.of("predator", "flock")
+    assert relation.deed == "chase"
+    assert 0.0 < relation.catch < relation.radius
+    assert laboratory.now().spec.kinds[0].parameters["v0"] > simulation.state.values["v0"]
+    until(lambda: laboratory.view.form["colour"].value == "kind", COMPILED)
+    until(lambda: "predator <b>1</b>" in panel.listed.content)
+    until(lambda: "polarisation of predator" in laboratory.plots.choices)
+    assert "catches" in laboratory.plots.choices
+    turn(browser, panel.sliders["weight"], 5.0)
+    until(lambda: simulation.state.kinds.of("predator", "flock").weight == 5.0)
+    laboratory.parameters.undo()
+    until(lambda: simulation.state.kinds.of("predator", "flock") == relation)
+    turn(browser, panel.sliders["own"], 0.09)
+    until(lambda: simulation.state.kinds.kind("predator").parameters["v0"] == 0.09)
+    turn(browser, panel.deed, "flees from")
+    until(lambda: set(panel.sliders) == {"weight", "radius", "own"})
+    laboratory.parameters.undo()
+    until(lambda: simulation.state.kinds.of("predator", "flock") == relation)
+    turn(browser, panel.number, 3)
+    until(lambda: simulation.state.kinds.kind("predator").agents == 3)
+    until(lambda: simulation.state.agents == ordinary + 3)
+    assert simulation.state.kinds.kind("predator").parameters["v0"] == 0.09
+    turn(browser, panel.new_name, "two words")
+    press(browser, panel.add)
+    until(lambda: any("kind 'two words' is" in said for said in laboratory.notices.shown))
+    turn(browser, panel.new_name, "whale")
+    turn(browser, panel.new_deed, "ignores")
+    press(browser, panel.add)
+    until(lambda: simulation.state.kinds.names == ("flock", "predator", "whale"))
+    until(lambda: panel.which.value == "whale")
+    press(browser, panel.remove)
+    until(lambda: simulation.state.kinds.names == ("flock", "predator"))
+    seed = simulation.state.spec.seed
+    laboratory.run.set_up()
+    until(lambda: simulation.state.spec.seed == seed + 1)
+    assert simulation.state.kinds.kind("predator").agents == 3
+    until(lambda: panel.which.value == "predator")
+    press(browser, panel.remove)
+    until(lambda: simulation.state.kinds.names == ("flock",))
+    until(lambda: laboratory.view.form["colour"].value == "heading")
+    assert ONE in panel.listed.content

@@ -6,13 +6,21 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
+from agents.catalogue import MODELS
+from agents.kinds import Kind, kind_table
 from app.viewer.panels.monitors import Monitors, climb_gradient, level_gradient, wheel
 from app.viewer.pictures.browser import darkened
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
-from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, legend
+from app.viewer.scene.shown.colouring import COLOURINGS, KIND, MEASURED
+from app.viewer.scene.shown.drawing_style import (
+    DrawingStyle,
+    agent_colours,
+    default_style,
+    has_needed,
+    legend,
+)
 from app.viewer.scene.shown.frame import Frame, Inspection
 from app.viewer.scene.shown.palette import linear_to_srgb, oklch, srgb_to_linear
 from worlds.world import World
@@ -251,3 +259,42 @@ def test_headings_have_a_wheel_in_the_monitors_and_nothing_else_has(monkeypatch)
         Monitors().colours(DrawingStyle(colour=colour), flock(dim=3))
         assert ("fs-wheel" in told["key"]) == (colour == "heading")
         assert f"Colour: {colour}" in told["key"]
+
+
+def kinds_frame(**changes) -> Frame:
+    """A flock with an information agent, two sharks, three whales and one who is caught."""
+    kind = np.zeros(60, int)
+    kind[[4, 5]], kind[[7, 8, 9]], kind[12] = 1, 2, -1
+    kinds = kind_table((Kind("shark", 2, colour="#b03a2e"), Kind("whale", 3)), {})
+    return flock(kind=kind, kinds=kinds, **changes)
+
+
+def test_each_kind_has_its_own_colour_with_its_name_and_who_is_caught_is_pale():
+    frame = kinds_frame()
+    look = DrawingStyle(colour=KIND)
+    colours = agent_colours(frame, look)
+    entries = dict(legend(look, frame))
+    assert list(entries) == ["flock", "shark", "whale", "information agent", "caught"]
+    assert entries["shark"] == "#b03a2e"
+    assert len(set(entries.values())) == 5
+    for row, name in ((1, "flock"), (4, "shark"), (7, "whale"), (12, "caught")):
+        assert palette.css(colours[row]) == entries[name]
+    by_heading = agent_colours(frame, DrawingStyle())
+    assert by_heading[12] == pytest.approx(palette.CAUGHT)
+    assert ("caught", palette.css(palette.CAUGHT)) in legend(DrawingStyle(), frame)
+
+
+def test_colouring_by_kind_is_usual_where_there_are_kinds_and_offered_nowhere_else():
+    model = MODELS["vem"]
+    assert default_style(model, 60, 1.0, has_kinds=True).look.colour == KIND
+    assert default_style(model, 60, 1.0).look.colour == "heading"
+    assert has_needed(KIND, kinds_frame())
+    assert not has_needed(KIND, flock())
+
+
+def test_kinds_are_told_apart_by_all_and_stand_out_from_both_grounds():
+    """The first eight of `OWN` can be told apart without seeing red or green."""
+    kinds = kind_table(tuple(Kind(f"k{n}", 1) for n in range(7)), {})
+    assert np.array_equal(palette.kind_colours(kinds), palette.COLOURS[:8])
+    taken = kind_table((Kind("a", 1, colour=palette.css(palette.COLOURS[0])), Kind("b", 1)), {})
+    assert len(np.unique(palette.kind_colours(taken), axis=0)) == 3

@@ -12,10 +12,13 @@ import pytest
 
 from agents.flock import Flock
 from agents.individuals import each, normal
+from agents.kinds import Kind, chase
 from agents.web_program import web_program
+from app.studies.workers.kernels import single_agent_spec
 from app.viewer.lab.panels.inspector import facts
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.kernel_compiler import kernel
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_limits import ANSWER
@@ -382,3 +385,89 @@ def test_a_page_of_its_own_is_refused_where_agents_differ(vem):
     (flock,) = vem.flocks().result(60)
     with pytest.raises(InputError, match="agents differ in eta: in a page that runs by itself"):
         web_program(flock)
+
+
+# Kinds of agents.
+
+
+@pytest.fixture
+def hunt(simulate):
+    """A simulation of a real flock that three sharks chase; they take whom they catch."""
+    sharks = Kind("shark", 3, v0=0.05, to={"flock": chase(1.5, 2.0, catch=0.3)})
+    return simulate(Flock, model="vem", agents=60, seed=3, kinds=[sharks], running=False)
+
+
+def test_relations_and_numbers_of_a_kind_act_at_once_and_reset_keeps_them(hunt):
+    assert hunt.state.kinds.names == ("flock", "shark")
+    assert hunt.relate("shark", "flock", "radius", 1.0).result(60) == 1.0
+    assert hunt.set_kind("shark", "v0", 0.08).result(60) == 0.08
+    assert hunt.paint_kind("shark", "#b03a2e").result(60) == "#b03a2e"
+    flock = hunt.run.flock
+    assert flock.kinds.of("shark", "flock").radius == 1.0
+    assert (flock.own["v0"][flock.rows_of("shark")] == 0.08).all()
+    run = hunt.state.run
+    hunt.reset()
+    until(lambda: hunt.state.run > run and not hunt.state.busy)
+    (kind,) = hunt.state.current_specs()[0].kinds
+    assert (kind.colour, kind.parameters, kind.to["flock"].radius) == ("#b03a2e", {"v0": 0.08}, 1.0)
+    assert hunt.relate("shark", "flock", "deed", "flee").result(60) == "flee"
+    assert hunt.state.kinds.of("shark", "flock").catch == 0.0
+
+
+def test_what_a_kind_cannot_be_is_refused_and_changes_nothing(hunt):
+    for wrong, message in (
+        (lambda: hunt.set_kind("shark", "v0", 99.0), r"kind shark: v0 = 99\.0 .* is outside"),
+        (lambda: hunt.set_kind("whale", "v0", 0.1), "unknown kind 'whale'"),
+        (lambda: hunt.relate("shark", "flock", "weight", -1.0), "weight = -1.0 of chase"),
+        (lambda: hunt.relate("shark", "flock", "radius", 0.0), "radius = 0 of chase"),
+    ):
+        with pytest.raises(InputError, match=message):
+            wrong().result(60)
+    assert hunt.state.kinds.of("shark", "flock") == chase(1.5, 2.0, catch=0.3)
+
+
+def test_who_is_taken_is_gone_and_looking_back_brings_it_again(hunt):
+    hunt.look_again().result(60)
+    until(lambda: hunt.state.line is not None)
+    hunt.step(30).result(60)
+    until(lambda: tick(hunt) == 30 and hunt.readings.tick == 30)
+    caught = 63 - len(hunt.frame.ids)
+    assert caught > 0
+    assert hunt.frame.has_turnover
+    assert (hunt.frame.kind == 1).sum() == 3
+    assert hunt.readings.values["catches"] == caught
+    assert hunt.readings.values.keys() >= {"polarisation", "mean-neighbours"}
+    assert hunt.readings.conditions.last.agents == 60
+    hunt.set_kind("shark", "v0", 0.1).result(60)
+    hunt.time_line.seek(0).result(60)
+    until(lambda: tick(hunt) == 0)
+    assert len(hunt.frame.ids) == 63
+    assert hunt.state.kinds.kind("shark").parameters == {"v0": 0.05}
+    hunt.time_line.to_now().result(60)
+    until(lambda: tick(hunt) == 30)
+    assert hunt.state.kinds.kind("shark").parameters == {"v0": 0.1}
+    assert hunt.readings.conditions.changes() == ["v0 of shark 0.05 → 0.1 at tick 30"]
+
+
+def test_each_kind_is_measured_by_itself_when_it_is_watched(hunt):
+    hunt.watch(["polarisation of shark", "kind-distance"]).result(60)
+    until(lambda: "polarisation of shark" in hunt.readings.values)
+    flock, values = hunt.run.flock, hunt.readings.values
+    assert values["polarisation of shark"] == flock.observe("polarisation", kind="shark")
+    assert "polarisation of flock" in hunt.readings.offered
+    assert values["kind-distance"] > 0.0
+
+
+def test_a_page_of_its_own_and_another_model_have_no_kinds(hunt):
+    (flock,) = hunt.flocks().result(60)
+    with pytest.raises(InputError, match=r"there are kinds of agents \(flock, shark\): in a page"):
+        web_program(flock)
+    said = SetupPanel.dropped_differences(hunt.state, (preset_spec("couzin"), None))
+    assert said == "Not taken over into the new run: kind shark"
+    assert SetupPanel.dropped_differences(hunt.state, hunt.state.current_specs()) == ""
+
+
+def test_one_agent_compiles_what_a_run_of_kinds_calls():
+    kind = Kind("shark", 2, to={"flock": chase(1.0, 1.0)})
+    complete = preset_spec("vem", agents=9, kinds=[kind])
+    assert kernel(Flock(single_agent_spec(Flock(complete)))) == kernel(Flock(complete))

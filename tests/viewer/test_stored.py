@@ -15,12 +15,15 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from agents.individuals import each, normal
+from agents.kinds import Kind, chase
 from agents.recordings.parquet_table import ParquetTable
-from agents.recordings.recorder import KEY
+from agents.recordings.recorder import KEY, Recorder
+from agents.spec import Spec
 from app.sandboxed_reader import read_in_sandbox
 from app.viewer.gallery.file_opener import open_file
 from app.viewer.run import stored_flock as limits
 from app.viewer.run.flock_run_builder import FlockRunBuilder
+from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import companion
 from app.viewer.run.stored_flock import REWRITE, StoredFlock, read_stored, under_new_rule
 from worlds.input_error import InputError
@@ -245,3 +248,51 @@ def test_a_rule_that_is_edited_keeps_what_differs():
     flock.members[2].eta = 0.9
     stored = under_new_rule(flock.spec, flock.snapshot(), Flock)
     assert np.array_equal(stored.flock(Flock).own["eta"], flock.own["eta"])
+
+
+@pytest.mark.parametrize("caught", ["taken", "frozen"])
+def test_a_hunt_goes_on_from_its_state_is_played_and_keeps_its_kinds(tmp_path, caught):
+    prey = Kind("minnow", 40)
+    shark = Kind("shark", 2, v0=0.1, to={"minnow": chase(2.0, 2.0, catch=0.5, caught=caught)})
+    flock = Flock(Spec("vem", agents=2, seed=3, size=5.0, kinds=[prey, shark]))
+    path = tmp_path / "hunt.parquet"
+    with Recorder(path, flock) as recorder:
+        for _ in range(30):
+            flock.run(1)
+            recorder.write()
+    flock.save(tmp_path / "state.parquet")
+    assert len(flock.catches.id) > 5
+    stored = read_stored("state.parquet", (tmp_path / "state.parquet").read_bytes())
+    building = FlockRunBuilder(Flock, companion)
+    again = building.flock(stored.spec, stored)
+    assert again.kind_names.tolist() == flock.kind_names.tolist()
+    changed = stored.spec.relating("shark", "minnow", chase(1.0, 1.0))
+    assert building.flock(changed, stored).kinds.of("shark", "minnow").weight == 1.0
+    again.run(5)
+    flock.run(5)
+    assert np.array_equal(again.position, flock.position)
+    played = read_stored("hunt.parquet", path.read_bytes())
+    run = building.run(building.flock(played.spec, played), None, played, 1, FrameRequest(),
+                       frozenset())  # fmt: skip
+    counts = []
+    for tick in (1, 10, 30):
+        run.show(tick)
+        frame = run.look(closely=True)
+        counts.append(run.readings.values["catches"])
+        assert ((frame.kind == 1) | frame.is_caught).sum() == 40 - (caught == "taken") * counts[-1]
+    assert counts == sorted(counts)
+    assert counts[-1] > counts[0]
+
+
+def test_a_rule_that_is_edited_keeps_kinds():
+    shark = Kind("shark", 2, v0=0.05, to={"flock": chase(2.0, 2.0)})
+    flock = Flock(Spec("vem", agents=6, seed=3, kinds=[shark]))
+    flock.run(2)
+    stored = under_new_rule(flock.spec, flock.snapshot(), Flock)
+    again = stored.flock(Flock)
+    assert stored.run.kinds == flock.spec.kinds
+    assert np.array_equal(again.own["v0"], flock.own["v0"])
+    assert again.kind_names.tolist() == flock.kind_names.tolist()
+    flock.run(5)
+    again.run(5)
+    assert np.array_equal(again.position, flock.position)

@@ -16,6 +16,7 @@ import pytest
 
 from agents.flock import Flock
 from agents.individuals import normal
+from agents.kinds import Kind
 from app.studies.charts.run_group import CellRuns
 from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_locked
@@ -385,3 +386,10 @@ def test_a_sweep_around_agents_that_differ_says_so_in_its_file_and_refuses_that_
     assert asked.values()["run"]["parameters"]["s"] == {"normal": [3.0, 0.5]}
     with pytest.raises(InputError, match=r"s = normal\(3, 0.5\) differs from agent to agent"):
         replace(asked, axes=[Axis("s", 2.0, 4.0, 2)]).values()
+
+
+def test_a_sweep_from_the_page_has_no_kinds():
+    spec = preset_spec("vem", agents=9, kinds=[Kind("shark", 1)])
+    asked = SweepRequest(spec, [Axis("eta", 0.5, 1.5, 2)], "polarisation", 2, 10)
+    with pytest.raises(InputError, match=r"there are kinds of agents \(shark\): a sweep from"):
+        asked.values()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from agents.flock import Flock
+from agents.kinds import kind_table
 from agents.spec import OPTIONS
+from app.viewer.measuring.run_conditions import kind_values
 from app.viewer.run.run_preset import WORLDS
 from worlds.world import World
 
@@ -25,12 +27,15 @@ class RunIdentity:
     options: Mapping[str, Any]
     parameters: Mapping[str, Any]
     world: World
+    kinds: Mapping[str, Any] = field(default_factory=dict)
+    """All by which kinds of agents may differ, by its name."""
 
     @classmethod
     def of(cls, flock: Flock) -> RunIdentity:
         """That of a flock."""
         options = {name: getattr(flock.options, name) for name in OPTIONS if name not in APART}
-        return cls(flock.options.model, options, flock.all_parameters, flock.world)
+        kinds = kind_values(kind_table(flock.options.kinds, flock.options.to))
+        return cls(flock.options.model, options, flock.all_parameters, flock.world, kinds)
 
 
 def differences(ran: RunIdentity, meant: RunIdentity, but: Collection[str]) -> tuple[str, ...]:
@@ -41,6 +46,7 @@ def differences(ran: RunIdentity, meant: RunIdentity, but: Collection[str]) -> t
     else:
         said += apart("other", ran.parameters, meant.parameters, but)
     said += apart("other", ran.options, meant.options, but)
+    said += of_kinds(ran.kinds, meant.kinds)
     said += of_worlds(ran.world, meant.world)
     if len(said) > MOST:
         said = [*said[:MOST], f"{len(said) - MOST} more"]
@@ -55,6 +61,16 @@ def apart(
         f"{word} {name}: {format_value(ran[name])}, not {format_value(value)}"
         for name, value in meant.items()
         if name not in but and name in ran and ran[name] != value
+    ]
+
+
+def of_kinds(ran: Mapping[str, Any], meant: Mapping[str, Any]) -> list[str]:
+    """What kinds of agents have that is not as meant."""
+    return [
+        f"other {name}: {format_value(ran.get(name, 'none'))}, not "
+        f"{format_value(meant.get(name, 'none'))}"
+        for name in dict.fromkeys([*meant, *ran])
+        if ran.get(name) != meant.get(name)
     ]
 
 

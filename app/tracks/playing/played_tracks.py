@@ -214,7 +214,7 @@ class PlayedTracks:
             np.empty((0, n)),
             np.empty((0, 2 + self.world.dim)),
             np.empty((n, 0, 0)),
-            np.empty((n, 0)),
+            own=np.empty((n, 0)),
         )
         return TracksSnapshot(
             self.model, self.world, self._parameters, 1, int(self.ticks[k]), arrays, n + 1, True,

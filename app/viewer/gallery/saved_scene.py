@@ -17,8 +17,10 @@ import tomlkit
 
 from agents.catalogue import model as find_model
 from agents.individuals import Distribution, split_individuals
+from agents.kinds import ALIASES, ALL, Kind, Relation, kind_table
 from agents.models.declare import checked
 from agents.models.model import Model
+from agents.motion import demand_kinds
 from agents.observables.of_agents import own_name
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
@@ -207,8 +209,9 @@ def read_run(values: dict[str, Any], origin: str) -> CompleteSpec:
     if not isinstance(parameters, dict):
         raise InputError(f"parameters = {shorten(parameters)} is not a table")
     shared, individuals = split_individuals(parameters)
-    checked(model.parameters, shared, origin)
+    checked_parameters = checked(model.parameters, shared, origin)
     model.demand_individual(individuals)
+    demand_kinds(model, checked_parameters, kind_table(spec.kinds, spec.to))
     complete = preset_spec(**{**dict(spec), "parameters": parameters})
     demand_bounded(complete)
     return complete
@@ -216,8 +219,9 @@ def read_run(values: dict[str, Any], origin: str) -> CompleteSpec:
 
 def demand_bounded(spec: CompleteSpec) -> None:
     """Raise InputError for what a panel would not offer either."""
-    if spec.agents > MOST_AGENTS:
-        raise InputError(f"agents = {spec.agents} is not allowed: at most {MOST_AGENTS}")
+    if spec.agents + spec.count_of_kinds > MOST_AGENTS:
+        of_kinds = f" with {spec.count_of_kinds} of kinds" if spec.kinds else ""
+        raise InputError(f"agents = {spec.agents}{of_kinds} is not allowed: at most {MOST_AGENTS}")
     if isinstance(spec.size, float) and spec.size > MOST_SIDE:
         raise InputError(f"size = {spec.size:g} is not allowed: at most {MOST_SIDE:g}")
     for name, option in OPTIONS.items():
@@ -387,6 +391,10 @@ def command_line(scene: SavedScene) -> str:
     for side in (spec, scene.beside):
         for name, value in {} if side is None else changed(side):
             words += ["--set", f"{name}={shell_value(value)}"]
+    for kind in spec.kinds:
+        words += ["--kind", shell_kind(kind)]
+    for name, other, relation in declared_relations(spec):
+        words += ["--relation", f"{name}:{other}={shell_relation(relation)}"]
     if scene.speed is not None and scene.speed != float("inf"):
         words += ["--speed", shell_value(scene.speed)]
     return shlex.join(["flockscope", "lab", *words])
@@ -408,10 +416,19 @@ def python(scene: SavedScene) -> str:
         why = "agents were given numbers one by one" if given else "its world was changed"
         return f"# {why}: download its spec first\nfrom flockscope import Flock, Spec\n\n{code}"
     values = {**options(spec), **dict(changed(spec))}
-    names = ["Flock", *sorted({one.kind for one in spec.individuals.values()})]
+    drawn = [*spec.individuals.values(), *(v for kind in spec.kinds for v in distributed(kind))]
+    names = ["Flock", *sorted({one.kind for one in drawn})]
     arguments = "".join(f", {name}={python_value(value)}" for name, value in values.items())
-    code = f'flock = Flock("{spec.model}"{arguments})\nflock.run(100)'
-    return f"from flockscope import {', '.join(names)}\n\n{code}"
+    if spec.kinds:
+        names.insert(1, "Spec")
+        tables = ",\n    ".join(python_kind(kind) for kind in spec.kinds)
+        to = {name: relation.to_value() for name, relation in spec.to.items()}
+        made = f"kinds=kinds, to={python_table(to)}" if to else "kinds=kinds"
+        code = f'spec = Spec("{spec.model}", {made})\nflock = Flock(spec{arguments})'
+        code = f"kinds = [\n    {tables},\n]\n{code}"
+    else:
+        code = f'flock = Flock("{spec.model}"{arguments})'
+    return f"from flockscope import {', '.join(names)}\n\n{code}\nflock.run(100)"
 
 
 def options(spec: Spec) -> dict[str, Any]:
@@ -432,6 +449,76 @@ def changed(spec: Spec) -> list[tuple[str, Any]]:
     return [(name, value) for name, value in values.items() if usual.get(name) != value]
 
 
+def distributed(kind: Kind) -> list[Distribution]:
+    """What the agents of a kind differ by among each other."""
+    return [one for one in kind.parameters.values() if isinstance(one, Distribution)]
+
+
+def declared_relations(spec: Spec) -> list[tuple[str, str, Relation]]:
+    """Whom kinds of agents are told to heed and how, kind by kind: all others one by one."""
+    table = kind_table(spec.kinds, spec.to)
+    told = [(table.names[0], spec.to), *((kind.name, kind.to) for kind in spec.kinds)]
+    return [
+        (name, other, table.of(name, other))
+        for name, to in told
+        for other in table.names
+        if other in to
+        or (other == table.names[0] and ALIASES.keys() & to)
+        or (ALL in to and other != name)
+    ]
+
+
+def shell_kind(kind: Kind) -> str:
+    """A kind on a command line, without its relations.
+
+    >>> shell_kind(Kind("shark", 2, v0=0.05, start=[[0, 0], [1, 2.5]]))
+    'shark=2,v0=0.05,start=0x0..1x2.5'
+    """
+    parts = [f"{kind.name}={kind.agents}"]
+    parts += [f"{name}={shell_value(value)}" for name, value in kind.parameters.items()]
+    if kind.colour:
+        parts.append(f"colour={kind.colour}")
+    if kind.start is not None:
+        parts.append("start=" + "..".join("x".join(map(repr_short, one)) for one in kind.start))
+    return ",".join(parts)
+
+
+def repr_short(number: float) -> str:
+    """A number so that it comes back to the bit, whole ones without a point."""
+    return f"{number:g}" if float(f"{number:g}") == number else repr(number)
+
+
+def shell_relation(relation: Relation) -> str:
+    """A relation on a command line.
+
+    >>> shell_relation(Relation("chase", 2.0, 5.0, catch=0.3)), shell_relation(Relation("ignore"))
+    ('chase,weight=2,radius=5,catch=0.3,caught=taken', 'ignore')
+    """
+    values = relation.to_value()
+    deed, weight = next(iter(values.items()))
+    if weight is True:
+        return deed
+    more = {"weight": float(weight), **{key: one for key, one in values.items() if key != deed}}
+    return ",".join([deed, *(f"{key}={shell_value(value)}" for key, value in more.items())])
+
+
+def python_kind(kind: Kind) -> str:
+    """A kind in a script, as a spec has it."""
+    values = kind.to_value()
+    if kind.parameters:
+        values["parameters"] = kind.parameters
+    return python_table(values)
+
+
+def python_table(values: Mapping[str, Any]) -> str:
+    """A table in a script, with double quotes as black has them."""
+    parts = (
+        f'"{key}": {python_table(one) if isinstance(one, Mapping) else python_value(one)}'
+        for key, one in values.items()
+    )
+    return f"{{{', '.join(parts)}}}"
+
+
 def shell_value(value: Any) -> str:
     """A value on a command line."""
     if isinstance(value, bool):
@@ -445,4 +532,4 @@ def python_value(value: Any) -> str:
     """A value in a script."""
     if isinstance(value, Distribution):
         return f"{value.kind}({', '.join(map(repr, value.numbers))})"
-    return repr(value)
+    return f'"{value}"' if isinstance(value, str) else repr(value)

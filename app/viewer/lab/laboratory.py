@@ -52,6 +52,7 @@ from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRuns
 from app.viewer.measuring.observable_curves import chart_title
 from app.viewer.panels.differences import DifferencesPanel
+from app.viewer.panels.kinds import KindsPanel
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.sending import ExportPermit
@@ -233,6 +234,7 @@ class Laboratory:
             self.rule_source = RuleSource(gui)
             self.parameters = ParametersPanel(gui, self.simulation)
             self.differences = DifferencesPanel(gui, self.simulation, self.parameters)
+            self.kinds = KindsPanel(gui, self.simulation, self.parameters)
             marks = gui.add_html("")
             self.rule_source.add(gui)
         with tabs.add_tab("Setup"):
@@ -534,7 +536,7 @@ class Laboratory:
 
     def keep_selected(self, frame: Frame) -> None:
         """Stay with the selected agent where others come and go, until it is gone itself."""
-        if self.selected is None or not frame.world.has_gates:
+        if self.selected is None or not frame.has_turnover:
             self.selected_identity = None
         elif self.selected_identity is None or self.selected_identity[0] != frame.run:
             if self.selected < len(frame.ids):
@@ -628,6 +630,7 @@ class Laboratory:
             self.fit_panel.refresh(state)
         self.parameters.refresh(state)
         self.differences.refresh(state)
+        self.kinds.refresh(state, self.simulation.frame)
         self.rule_source.refresh(state.spec.model)
         if self.sweep is not None:
             self.sweep.refresh(state, self.plots.offered, self.parameters.controls)
@@ -666,7 +669,7 @@ class Laboratory:
             (_, stored), self.charted = self.charted, None
             self.chart_tracks(stored, readings)
         beside = None if frame.beside is None else self.simulation.readings_beside
-        self.plots.refresh(readings, frame, beside)
+        self.plots.refresh(readings, frame, beside, is_coming=self.pointing is not None)
         self.runs.refresh(self.plots.runs.going)
         self.more.offer(self.plots.offered)
         last = self.plots.last

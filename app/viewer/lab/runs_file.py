@@ -21,9 +21,11 @@ import numpy as np
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world, is_built_in
 from agents.individuals import Distribution, split_individuals
+from agents.kinds import as_kinds, kind_table
 from agents.models.declare import checked
-from agents.observables.catalogue import OBSERVABLES
-from agents.spec import CompleteSpec
+from agents.motion import demand_kinds
+from agents.observables.catalogue import is_observable
+from agents.spec import CompleteSpec, relations, values_of, values_of_kinds
 from app.results_folder import demand_runs
 from app.viewer.gallery.saved_scene import scene_of
 from app.viewer.measuring.kept_runs import LONGEST_NAME, MOST_RUNS, KeptRun
@@ -65,8 +67,9 @@ def spec_of(one: RunConditions) -> CompleteSpec:
     if len(sides) == 1 and is_built_in(world, one.seed):
         where = {"world": world.name, "size": float(world.size[0])}
     values = {name: value for name, value in one.parameters.items() if value is not SEVERAL}
+    kinds = {"kinds": one.kinds.kinds, "to": one.kinds.to}
     return one.asked.with_parameters(
-        values, **where, layout=None, dim=world.dim, start="random", versions={}
+        values, **where, **kinds, layout=None, dim=world.dim, start="random", versions={}
     )
 
 
@@ -87,6 +90,9 @@ def run_values(run: KeptRun, key: str) -> dict[str, Any]:
             for name, value in one.parameters.items()
         }
         row |= {"agents": one.agents, "parameters": parameters, "by hand": one.by_hand}
+        if one.kinds.kinds:
+            row["kinds"] = values_of_kinds(one.kinds.kinds)
+            row["to"] = values_of(one.kinds.to)
         stretches.append(row)
     curves = {
         name: [rounded(at), rounded(values)] for name, (at, values) in run.course.curves.items()
@@ -232,6 +238,8 @@ def conditions_of(
     shared, individuals = split_individuals(known)
     parameters = checked(model.parameters, shared).model_dump() | individuals
     parameters |= {name: SEVERAL for name, value in given.items() if value is SEVERAL}
+    kinds = kind_table(as_kinds(one.get("kinds", [])), relations(one.get("to", {})))
+    demand_kinds(model, checked(model.parameters, shared), kinds)
     return RunConditions(
         model,
         spec.seed,
@@ -242,6 +250,7 @@ def conditions_of(
         dt,
         spec,
         one.get("by hand") is True,
+        kinds,
     )
 
 
@@ -268,7 +277,7 @@ def curves_of(values: Any) -> dict[str, Points]:
         raise InputError("curves is no object")
     curves = {}
     for name, pair in values.items():
-        if name not in OBSERVABLES:
+        if not is_observable(name):
             continue
         try:
             at, points = (np.array(column, float) for column in pair)

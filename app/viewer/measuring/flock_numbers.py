@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from agents.models.model import Model
-from agents.observables.catalogue import OBSERVABLES
+from agents.observables.catalogue import OBSERVABLES, find_observable, kind_observables
 from app.viewer.measuring.background_worker import BackgroundWorker
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_format import observable_words
@@ -32,7 +32,7 @@ def numbers(readings: FlockReadings, more: Mapping[str, Number]) -> dict[str, Nu
     if unit != "ticks":
         result["time"] = Number(tick * flock.dt, unit)
     result["agents"] = Number(len(flock.ids), "agents")
-    for name in OBSERVABLES:
+    for name in (*OBSERVABLES, *kind_observables(flock)):
         if name in readings.values:
             result[observable_words(name)] = number_of(name, readings.values[name], model)
     result |= mission(readings, model.in_units("length")) | dict(more)
@@ -47,7 +47,7 @@ def numbers(readings: FlockReadings, more: Mapping[str, Number]) -> dict[str, Nu
 
 def number_of(name: str, value: float, model: Model) -> Number:
     """The value of an observable, with its unit as a model has it."""
-    return Number(value, model.in_units(OBSERVABLES[name].unit))
+    return Number(value, model.in_units(find_observable(name).unit))
 
 
 def mission(readings: FlockReadings, length: str) -> dict[str, Number]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from agents.observables.catalogue import OBSERVABLES
+from agents.observables.catalogue import OBSERVABLES, find_observable
 from agents.observables.following import (
     fill_clearances,
     fill_nearest_pairs,
@@ -52,10 +52,10 @@ class MinimumDistances:
         """Whether the flock is watched: few agents, on a mission or among what is solid.
 
         Where agents crash there is no need: the crashes tell how close they came. Where they come
-        and go there are no rows that stay.
+        and go, or are caught, there are no rows that stay.
         """
         world = self.flock.world
-        if world.has_gates:
+        if world.has_gates or self.flock.kinds.catchers:
             return False
         few = len(self.flock.ids) <= MOST_AGENTS and not self.flock.can_crash
         return self.keeps and few and (world.mission is not None or world.is_solid)
@@ -136,7 +136,7 @@ def measure(flock: Snapshot, names: Iterable[str]) -> BackgroundReading:
     """Measure observables, and what else follows from the graph of a flock."""
     values, refusal = {}, None
     for name in names:
-        observable = OBSERVABLES[name]
+        observable = find_observable(name)
         try:
             if observable.needs_links:
                 refuse_too_many_links(flock)

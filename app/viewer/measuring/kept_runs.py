@@ -230,7 +230,8 @@ def runs_table(runs: Sequence[KeptRun]) -> dict[str, list[object]]:
         for name in dict.fromkeys(n for run in runs for n in run.course.conditions.values)
         if name not in ("seed", "agents", "world", BY_HAND)
     ]
-    measured = [name for name in OBSERVABLES if any(name in run.measures for run in runs)]
+    names = dict.fromkeys([*OBSERVABLES, *(name for run in runs for name in run.measures)])
+    measured = [name for name in names if any(name in run.measures for run in runs)]
     table: dict[str, list[object]] = {
         "run": [run.number for run in runs],
         "name": [run.name for run in runs],

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from agents.observables.catalogue import OBSERVABLES
+from agents.observables.catalogue import OBSERVABLES, find_observable, is_observable
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_format import observable_words
 from app.viewer.measuring.run_conditions import ConditionHistory, RunConditions
@@ -40,7 +40,7 @@ def choices(offered: Collection[str]) -> dict[str, tuple[str, ...]]:
 
 def points(readings: FlockReadings, name: str, last: float = math.inf) -> Points:
     """How an observable went over the whole run, or over its `last` ticks."""
-    if OBSERVABLES[name].events is None:
+    if find_observable(name).events is None:
         return readings.series(name).arrays(last)
     if name not in readings.events:
         return np.empty(0), np.empty(0)
@@ -129,7 +129,7 @@ class ObservableHistory:
         """That of a run so far: of some observables, or of all that were measured."""
         wanted_names = readings.offered if names is None else names
         series = {
-            name: recorded_points(readings, name) for name in wanted_names if name in OBSERVABLES
+            name: recorded_points(readings, name) for name in wanted_names if is_observable(name)
         }
         finite = {name: (at, values) for name, (at, values) in series.items() if len(at)}
         return cls(readings.conditions, readings.tick, finite)
@@ -150,7 +150,7 @@ class ObservableHistory:
 
 def recorded_points(readings: FlockReadings, name: str) -> Points:
     """Every point that is kept of an observable; what is counted is exact to the tick."""
-    if OBSERVABLES[name].events is None:
+    if find_observable(name).events is None:
         return readings.series(name).recorded()
     if name not in readings.events:
         return np.empty(0), np.empty(0)

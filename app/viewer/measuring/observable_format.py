@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from agents.models.model import Model
-from agents.observables.catalogue import OBSERVABLES
+from agents.observables.catalogue import OBSERVABLES, find_observable, kind_observables
 from agents.observables.observable import Range, everywhere
 from worlds.world import World
 
@@ -41,7 +41,7 @@ def unit(name: str) -> str:
     >>> unit("drag-saved"), unit("groups")
     ('%', '')
     """
-    text = OBSERVABLES[name].unit
+    text = find_observable(name).unit
     return text if text in ("%", "length") else ""
 
 
@@ -51,7 +51,7 @@ def scale(name: str) -> Range:
     >>> print(scale("polarisation"), scale("groups"))
     [0, 1] [0, N]
     """
-    limits = OBSERVABLES[name].range
+    limits = find_observable(name).range
     assert isinstance(limits, Range)
     return limits
 
@@ -119,12 +119,14 @@ def cards(
 
 
 def offered_observables(flock: Any) -> tuple[str, ...]:
-    """The observables that are one number at one tick and say something about a flock, in order."""
-    return tuple(
+    """The observables that are one number at one tick and say something about a flock, in order:
+    last those of each of its kinds."""
+    of_all = (
         name
         for name, observable in OBSERVABLES.items()
         if observable.over is None and not observable.is_table and observable.applies(flock)
     )
+    return (*of_all, *kind_observables(flock))
 
 
 def run_observables() -> tuple[str, ...]:

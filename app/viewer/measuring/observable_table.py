@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.individuals import Distribution
 from agents.models.model import Model
-from agents.observables.catalogue import OBSERVABLES
+from agents.observables.catalogue import find_observable
 from agents.spec import Options
 from app.viewer.measuring.observable_curves import ObservableHistory
 from app.viewer.measuring.observable_format import observable_words
@@ -21,7 +21,7 @@ TICKS = "ticks"
 
 def unit(name: str, models: Iterable[Model]) -> str:
     """The unit of an observable where these models have one and the same, else in general; "1"."""
-    text = OBSERVABLES[name].unit
+    text = find_observable(name).unit
     own = {model.in_units(text) for model in models}
     return own.pop() if len(own) == 1 else text
 
@@ -122,7 +122,7 @@ def values_at(run: ObservableHistory, name: str, ticks: np.ndarray) -> np.ndarra
     at, values = run.points(name)
     if not len(at):
         return np.full(len(ticks), np.nan)
-    if OBSERVABLES[name].events is not None:
+    if find_observable(name).events is not None:
         return np.interp(ticks, at, values)
     place = np.minimum(np.searchsorted(at, ticks), len(at) - 1)
     return np.where(at[place] == ticks, values[place], np.nan)

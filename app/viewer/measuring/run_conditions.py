@@ -11,6 +11,7 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.flock_world import complete_spec
+from agents.kinds import ALIASES, ALL, NO_KINDS, KindTable, Relation
 from agents.models.model import Model
 from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.observable_format import format_short
@@ -45,6 +46,8 @@ class RunConditions:
     """The run as it was asked for; its parameters and its world may be others by now."""
     by_hand: bool = False
     """Whether somebody has put agents elsewhere."""
+    kinds: KindTable = NO_KINDS
+    """The kinds of agents, with their parameters and relations."""
     clock_unit: str = ""
     """The unit of `dt` where that is not the model's own: a model beside tracks goes by theirs."""
 
@@ -52,16 +55,20 @@ class RunConditions:
     def of(cls, flock: Flock, by_hand: bool = False) -> RunConditions:
         """Those of a flock, with its parameters as they are now."""
         dt, unit = getattr(flock, "clock", (flock.dt, ""))
+        options, agents = flock.options, len(flock.ids)
+        if flock.kinds.kinds:  # who is caught changes nothing in what a run is made of
+            agents = options.agents + options.informed
         return cls(
             flock.model,
             flock.seed,
-            len(flock.ids),
+            agents,
             flock.world,
             flock.options.chosen,
             flock.all_parameters,
             dt,
             flock.options,
             by_hand,
+            flock.kinds,
             unit,
         )
 
@@ -74,7 +81,8 @@ class RunConditions:
     def values(self) -> dict[str, Any]:
         """Everything by its name; options and parameters share no names."""
         values = {"seed": self.seed, "world": self.world, "agents": self.agents}
-        return {**values, **self.options, **self.parameters, BY_HAND: self.by_hand}
+        kinds = kind_values(self.kinds)
+        return {**values, **self.options, **self.parameters, **kinds, BY_HAND: self.by_hand}
 
     def join(self, later: RunConditions) -> RunConditions:
         """Those of a stretch that had these first and then others: what differs is SEVERAL."""
@@ -83,6 +91,56 @@ class RunConditions:
             for name, value in later.parameters.items()
         }
         return replace(later, parameters=parameters, asked=self.asked)
+
+
+def kind_values(kinds: KindTable) -> dict[str, Any]:
+    """All by which kinds may differ, by names that tell them from options and parameters.
+
+    >>> from agents.kinds import Kind, chase, kind_table
+    >>> kind_values(kind_table((Kind("shark", 2, v0=0.05, to={"flock": chase(2.0, 5.0)}),), {}))
+    {'agents of shark': 2, 'v0 of shark': 0.05, 'shark to flock': 'chase 2, radius 5'}
+    """
+    values: dict[str, Any] = {}
+    for kind in kinds.kinds:
+        values[f"agents of {kind.name}"] = kind.agents
+        values |= {f"{name} of {kind.name}": value for name, value in kind.parameters.items()}
+        if kind.start is not None:
+            values[f"start of {kind.name}"] = f"{kind.start[0]} to {kind.start[1]}"
+    told = {(kinds.names[0], ALIASES.get(other, other)) for other in kinds.to}
+    told |= {(one.name, ALIASES.get(other, other)) for one in kinds.kinds for other in one.to}
+    for (name, other), relation in kinds.relations.items():
+        if {(name, other), (name, ALL)} & told:
+            values[f"{name} to {other}"] = describe_relation(relation)
+    return values
+
+
+def lacking_kind(name: str, kinds: KindTable) -> str:
+    """The kind that something of `kind_values` is of, if it is none of these; else empty.
+
+    >>> lacking_kind("v0 of shark", NO_KINDS), lacking_kind("flock to shark", NO_KINDS)
+    ('shark', 'shark')
+    """
+    _, of_kind, kind = name.partition(" of ")
+    first, to_kind, second = name.partition(" to ")
+    named = [kind] if of_kind else [first, second] if to_kind else []
+    return next((one for one in named if one not in kinds.names), "")
+
+
+def describe_relation(relation: Relation) -> str:
+    """A relation in few words.
+
+    >>> described = Relation("ignore"), Relation("chase", 2.0, catch=0.3)
+    >>> tuple(map(describe_relation, described))
+    ('ignore', 'chase 2, catch 0.3, taken')
+    """
+    deed, *details = relation.to_value().items()
+    parts = [deed[0] if deed[1] is True else f"{deed[0]} {deed[1]:g}"]
+    for name, value in details:
+        if isinstance(value, bool | str):
+            parts.append(name if value is True else str(value))
+        else:
+            parts.append(f"{name} {value:g}")
+    return ", ".join(parts)
 
 
 @dataclass(frozen=True)
@@ -169,6 +227,7 @@ class ConditionHistory:
             other_values = other_steps.get(name, ((begin, None),))
             if relative_steps(steps, self) != relative_steps(other_values, other):
                 lines.append(self.describe(name, steps, other_values))
+        lines = list(dict.fromkeys(lines))
         return ", ".join([*lines[:TOLD], *["…"] * (len(lines) > TOLD)])
 
     def changes(self) -> list[str]:
@@ -179,7 +238,7 @@ class ConditionHistory:
         """All that is not as the model has it by default, and all that was changed."""
         model = self.first.model
         usual = model.parameters().model_dump() | complete_spec(Spec(model.name), model).chosen
-        names = self.first.options.keys() | usual.keys()
+        names = self.first.options.keys() | usual.keys() | kind_values(self.first.kinds).keys()
         return [
             self.describe(name, steps)
             for name, steps in self.steps.items()
@@ -191,6 +250,8 @@ class ConditionHistory:
     def describe(self, name: str, steps: Steps, other_steps: Steps = ()) -> str:
         """The values of one thing in few words, and where another run has other ones."""
         ((_, first), *others), last = steps, steps[-1][1]
+        if last is None and (kind := lacking_kind(name, self.first.kinds)):
+            return f"no {kind}"
         when = "" if not others else f" at {self.format_tick(others[0][0])}"
         if len(others) > 1:
             when = f" from {self.format_tick(others[0][0])} to {self.format_tick(others[-1][0])}"

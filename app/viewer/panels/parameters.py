@@ -6,7 +6,7 @@ import html
 import math
 import re
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any
@@ -33,12 +33,14 @@ REMEMBERED = 100
 
 @dataclass
 class Step:
-    """A parameter before it was changed."""
+    """A parameter, or what else is undone with them, before it was changed."""
 
     name: str
     beside: bool
     value: Any
     when: float
+    put_back: Callable[[Any], Any] | None = None
+    """What gives it the value again; None: it is a parameter of all agents."""
 
 
 class ParametersPanel:
@@ -121,18 +123,25 @@ class ParametersPanel:
         now = time.monotonic()
         state = self.simulation.state
         value = (state.beside_values if beside else state.values).get(name)
+        self.remember(Step(name, beside, value, now))
+
+    def remember(self, step: Step) -> None:
+        """Keep a step; of a drag only the first."""
         last = self.past[-1] if self.past else None
-        same = last is not None and (last.name, last.beside) == (name, beside)
-        if last is not None and same and now - last.when < DRAG:
-            last.when = now
+        same = last is not None and (last.name, last.beside) == (step.name, step.beside)
+        if last is not None and same and step.when - last.when < DRAG:
+            last.when = step.when
             return
-        self.past = [*self.past[1 - REMEMBERED :], Step(name, beside, value, now)]
+        self.past = [*self.past[1 - REMEMBERED :], step]
 
     def undo(self) -> None:
-        """Give the parameter that was changed last the value that it had."""
+        """Give what was changed last the value that it had."""
         if self.past:
             last = self.past.pop()
-            self.set_parameter(last.name, last.value, last.beside)
+            if last.put_back is None:
+                self.set_parameter(last.name, last.value, last.beside)
+            else:
+                last.put_back(last.value)
 
     def set_parameter(self, name: str, value: Any, beside: bool) -> Future:
         """Give a parameter a value or a distribution, and show it; on viser's thread."""

@@ -36,12 +36,19 @@ def caption(shot: Shot) -> str:
     """Model, world, agents and seed, on one line."""
     now, unit = shot.now, length_unit(shot)
     size = " × ".join(f"{side:.4g}" for side in now.world.size)
+    frame = shot.made.frame
     informed = int(now.informed.sum())
     seen = shot.made.frame.seen
     if seen is not None:
         return f"tracks, {size}{unit} · {int(seen.sum())} of {len(seen)} individuals seen"
-    who = counted(len(now.ids) - informed, "agent")
+    of_kinds = {
+        name: int(np.count_nonzero(frame.kind == number))
+        for number, name in enumerate(frame.kinds.names)
+        if number and frame.kind is not None
+    }
+    who = counted(len(now.ids) - informed - sum(of_kinds.values()), "agent")
     who += f" and {counted(informed, 'information agent')}" if informed else ""
+    who += "".join(f", {number} of kind {name}" for name, number in of_kinds.items())
     return f"{now.model.name} in {now.world.name}, {size}{unit} · {who} · seed {now.seed}"
 
 

@@ -103,9 +103,10 @@ class Shot:
 def look_of(now: Snapshot, colour: str | None) -> DrawingStyle:
     """How it is drawn, coloured by a name of `colourings`; None: as suits it. Raises InputError."""
     if colour is None:
-        if now.informed.any():
+        has_kinds = bool(now.kinds.kinds)
+        if now.informed.any() and not has_kinds:
             return DrawingStyle(colour="layer")
-        return default_style(now.model, len(now.ids), now.dt).look
+        return default_style(now.model, len(now.ids), now.dt, has_kinds).look
     if colour in COLOURINGS and colour != MEASURED:
         return DrawingStyle(colour=colour)
     if colour not in colourings(now):
@@ -117,7 +118,7 @@ def colourings(now: Snapshot) -> tuple[str, ...]:
     """What the agents of a flock may be coloured by."""
     return (
         *(name for name in COLOURINGS if name != MEASURED),
-        *measurable(now.model.columns, now.individuals),
+        *measurable(now.model.columns, now.differing),
     )
 
 
@@ -133,7 +134,7 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
     labels = COLOURINGS[look.colour].labels
     inner = shells(now)[:1]
     anyone: Any = now  # a snapshot answers as a flock does
-    offered = measurable(now.model.columns, now.individuals)
+    offered = measurable(now.model.columns, now.differing)
     known = by_number and look.measured in offered
     return Frame(
         run=0,
@@ -154,7 +155,10 @@ def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
         layer=now.layers() if labels == "layer" else None,
         group=now.group_labels() if labels == "group" else None,
         measured=measured(now, look.measured) if known else None,
-        active=now.active if now.can_crash else None,
+        active=now.active | (now.kind_numbers < 0) if now.can_crash else None,
+        kind=now.kind_numbers if now.kinds.kinds else None,
+        kinds=now.kinds,
+        has_turnover=now.has_turnover,
         crashes=now.crashes if now.can_crash else None,
         saved=now.signal(SAVED) if SAVED in now.model.columns else None,
         seen=now.seen,

@@ -52,7 +52,7 @@ class Allowance:
     def demand(self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None) -> None:
         """Raise InputError for a run that is too much, before it is built."""
         flocks = 1 if beside is None else 2
-        self.demand_agents(flocks * spec.agents)
+        self.demand_agents(flocks * spec.agents + spec.count_of_kinds)
         self.demand_agents(flocks * spec.informed)
         if stored is None:
             return

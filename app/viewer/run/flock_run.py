@@ -13,6 +13,7 @@ import numpy as np
 from agents.engine.cache import is_at_hand
 from agents.flock import Flock
 from agents.individuals import Distribution
+from agents.kinds import KindTable
 from agents.models.declare import Parameters
 from agents.state.agent_rows import StrayAgents
 from app.viewer.measuring.flock_readings import FlockReadings
@@ -133,6 +134,11 @@ class FlockRun:
         return {}
 
     @property
+    def kinds(self) -> KindTable:
+        """The kinds of its agents, and whom each heeds."""
+        return self.flock.kinds
+
+    @property
     def redrawn(self) -> dict[tuple[str, bool], int]:
         """How many numbers were drawn again: see `SimulationState.redrawn`."""
         return {(name, False): number for name, number in self.flock.redrawn.items()}
@@ -183,6 +189,17 @@ class FlockRun:
             self.flock.set(**before)
             raise
         self.compiled = self.compiled and self.flock.loop is loop
+
+    def change_kinds(self, kinds: KindTable) -> None:
+        """Give its kinds other parameters and relations. Raises InputError, and then changes
+        nothing."""
+        before = self.kinds
+        self.flock.change_kinds(kinds)
+        try:
+            refuse_too_dense(self.flock)
+        except InputError:
+            self.flock.change_kinds(before)
+            raise
 
     def change(self, change: Callable[[FlockRun], None]) -> None:
         """Carry out a change of this run, and note its conditions as they are from now on."""

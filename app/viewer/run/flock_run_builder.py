@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from agents.flock import Flock
+from agents.kinds import kind_table
 from agents.spec import Spec
 from app.viewer.editing.free_places import move_out
 from app.viewer.measuring.time_series import refuse_too_dense
@@ -48,6 +49,9 @@ class FlockRunBuilder:
         }
         if changed:
             flock.set(**changed)
+        kinds = kind_table(spec.kinds, spec.to)
+        if kinds != kind_table(stored.spec.kinds, stored.spec.to):
+            flock.change_kinds(kinds)
         return flock
 
     def run(

@@ -105,7 +105,7 @@ class FrameBuilder:
         flock, now = self.flock, self.flock.snapshot()
         active = now.active
         reaches = self.reaches_of(now)
-        if now.world.has_gates and not np.array_equal(self.examined, now.ids):
+        if now.has_turnover and not np.array_equal(self.examined, now.ids):
             self.layer = self.group = self.links = self.measured = None  # of other rows
         self.fastest = max(self.fastest, float(np.max(now.speed, initial=0.0, where=active)))
         return Frame(
@@ -135,7 +135,10 @@ class FrameBuilder:
             links=self.links,
             inspected=self.inspected,
             others=self.others,
-            active=active if now.can_crash else None,
+            active=active | (now.kind_numbers < 0) if now.can_crash else None,
+            kind=now.kind_numbers if now.kinds.kinds else None,
+            kinds=now.kinds,
+            has_turnover=now.has_turnover,
             crashes=now.crashes if flock.can_crash else None,
             saved=now.signal(SAVED) if SAVED in flock.model.columns else None,
             form=flock.model.rule.form,
@@ -144,7 +147,7 @@ class FrameBuilder:
 
     def reaches_of(self, now: Snapshot) -> np.ndarray | None:
         """How far each agent notices others, (N,), length; None where all do alike."""
-        if not now.individuals:
+        if not now.differing:
             self.reached = None
             return None
         last = self.reached  # to find it takes a call for each agent
@@ -167,7 +170,7 @@ class FrameBuilder:
             if request.layers or request.groups or request.links or request.measured in OF_AGENTS:
                 refuse_too_many_links(flock)
             now = flock.snapshot(copy=False)
-            if now.world.has_gates:
+            if now.has_turnover:
                 self.examined = now.ids.copy()
             self.layer = now.layers() if request.layers else None
             self.group = now.group_labels() if request.groups else None

@@ -16,6 +16,7 @@ import numpy as np
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.flock import Flock
+from agents.kinds import ORDINARY
 from agents.models.declare import DeclaredParameter, declared
 from agents.spec import Spec
 from app.viewer.run.flock_run import ComparedFlockError, FlockRun, StrayAgentError, describe_error
@@ -89,7 +90,7 @@ def companion(first: Flock, beside: Spec) -> Flock:
     It has the world, seed, turns, noise and information agents of the first, and its values of
     what the models share: where agents differ in that, each has the same number in both flocks, as
     it is drawn by seed and identity. A model that knows no information agents takes them for
-    ordinary ones.
+    ordinary ones. It has no kinds of agents: it begins where the ordinary agents of the first do.
     Positions and headings are the same, and speeds where both bodies have free ones: agents of a
     body of one speed go at that, and beside them others begin as they do alone.
     Raises InputError, with the model's title, if it cannot be in this world or at these values.
@@ -103,23 +104,27 @@ def companion(first: Flock, beside: Spec) -> Flock:
     }
     try:
         spec: Spec = first.options.with_parameters(
-            shared_values | beside.all_parameters, model=model.name, world=first.world
+            shared_values | beside.all_parameters,
+            model=model.name,
+            world=first.world,
+            kinds=(),
+            to={},
         )
     except InputError as refusal:
         raise InputError(f"{model.title}: {refusal}") from None
-    arrays = None
+    arrays, rows = None, first.rows_of(ORDINARY)
     if spec.informed and not model.rule.led:
-        arrays = {name: getattr(first, name) for name in ("position", "heading")}
+        arrays = {name: getattr(first, name)[rows] for name in ("position", "heading")}
         if first.model.body.speed is None:
-            arrays["speed"] = first.speed
+            arrays["speed"] = first.speed[rows]
         spec = spec.but(informed=0)
     try:
         flock = Flock(spec, threads=first.threads, start=arrays, interpret=first.interpret)
     except InputError as refusal:
         raise InputError(f"{model.title}: {refusal}") from None
     if arrays is not None:
-        flock.heading[:] = first.heading  # To the bit: given headings are normalised again.
-        flock.ids[:] = first.ids
+        flock.heading[:] = first.heading[rows]  # To the bit: given headings are normalised again.
+        flock.ids[:] = first.ids[rows]
     return flock
 
 
@@ -226,8 +231,10 @@ class PairedRun(FlockRun):
     def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
         """Put an information agent somewhere, in both flocks if it is one in both."""
         super().place(row, position, heading)
-        if self.second.flock.informed[row]:
-            self.second.place(row, position, heading)
+        second = self.second.flock
+        rows = np.flatnonzero((second.ids == self.flock.ids[row]) & second.informed)
+        for other in rows.tolist():
+            self.second.place(other, position, heading)
 
     def spec(self) -> bytes:
         """The specs of both flocks, a ZIP."""

@@ -99,4 +99,5 @@ def restore_snapshot(flock: Flock, then: Snapshot) -> None:
         return
     for mine, other in zip(flock.arrays, then.arrays, strict=True):
         mine[...] = other
+    flock.catches = then.catches
     flock.tick = then.tick

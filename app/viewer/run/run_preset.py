@@ -81,7 +81,7 @@ def drawing_defaults(spec: Spec) -> DrawingDefaults:
     ['each its own', 'heading']
     """
     model = find_model(spec.model)
-    return default_style(model, spec.agents, tick_of(spec))
+    return default_style(model, spec.agents, tick_of(spec), bool(spec.kinds))
 
 
 def world_titles() -> dict[str, str | World]:

@@ -104,6 +104,21 @@ class Simulation(SimulationThread):
         key = f"spread {name} {beside} {models}"
         return self.tell(lambda: self.spread_now(name, deviation, beside, models), key)
 
+    def relate(self, kind: str, other: str, name: str, value: Any) -> Future:
+        """Change one thing of what agents of a kind do about those of another: `deed`, `weight`,
+        `radius`, `catch` or `caught`. The answer is its value."""
+        key = f"relate {kind} {other} {name}"
+        return self.tell(lambda: self.relate_now(kind, other, name, value), key)
+
+    def set_kind(self, kind: str, name: str, value: Any) -> Future:
+        """Give the agents of a kind alone a value of a parameter, or what they have in common with
+        all: None. The answer is the value."""
+        return self.tell(lambda: self.set_kind_now(kind, name, value), f"set {name} of {kind}")
+
+    def paint_kind(self, kind: str, colour: str) -> Future:
+        """Give a kind a colour, `#rrggbb`, or one of its own: nothing."""
+        return self.tell(lambda: self.paint_kind_now(kind, colour), f"paint {kind}")
+
     def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> Future:
         """Put an agent somewhere and turn it."""
         return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from agents.kinds import NO_KINDS, KindTable
 from agents.spec import CompleteSpec, Spec
 from app.viewer.run.kernel_compiler import CompileEstimate
 from app.viewer.run.stored_flock import InitialState
@@ -93,6 +94,8 @@ class SimulationState:
     """The flock's parameters, name -> value; a distribution where agents differ."""
     beside_values: dict[str, Any] = field(default_factory=dict)
     """Those that only the flock beside it has."""
+    kinds: KindTable = NO_KINDS
+    """The kinds of agents in the flock, with their parameters and relations as they are now."""
     redrawn: Mapping[tuple[str, bool], int] = field(default_factory=dict)
     """How many agents' numbers were drawn again, out of the range of their parameter: by its name
     and whether it is of the flock beside."""
@@ -103,9 +106,10 @@ class SimulationState:
         return self.spec.model, None if self.beside is None else self.beside.model
 
     def current_specs(self) -> tuple[CompleteSpec, Spec | None]:
-        """This run, and what is beside it, with the parameters as they are now."""
-        beside = self.beside
-        spec = self.spec.with_parameters(self.values) if self.values else self.spec
+        """This run, and what is beside it, with parameters and kinds as they are now."""
+        beside, spec = self.beside, self.spec
+        if self.values:
+            spec = spec.with_parameters(self.values, kinds=self.kinds.kinds, to=self.kinds.to)
         if beside is not None and self.beside_values:
             beside = beside.with_parameters(self.beside_values)
         return spec, beside

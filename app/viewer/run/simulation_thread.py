@@ -21,6 +21,7 @@ import numpy as np
 from agents.catalogue import MODELS, PLAYED, from_file
 from agents.flock import Flock
 from agents.individuals import Distribution, moved, normal
+from agents.kinds import Kind, KindTable, replace_kind
 from agents.models.rule_file import describe_fault
 from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.flock_readings import FlockReadings
@@ -318,6 +319,7 @@ class SimulationThread:
             values=self.run.values,
             beside_values=self.run.beside_values,
             redrawn=self.run.redrawn,
+            kinds=self.run.kinds,
         )
 
     @staticmethod
@@ -611,6 +613,36 @@ class SimulationThread:
         centre = before.centre if isinstance(before, Distribution) else before
         value = normal(centre, deviation) if deviation else centre
         return self.set_now(name, value, beside, models)
+
+    def relate_now(self, kind: str, other: str, name: str, value: Any) -> Any:
+        kinds = self.require_run().kinds
+        changes = {name: value}
+        if name == "deed" and value != "chase":  # only who chases can catch
+            changes["catch"] = 0.0
+        changed = replace(kinds.of(kind, other), **changes)
+        self.change_kinds_now(kinds.with_relation(kind, other, changed))
+        return value
+
+    def set_kind_now(self, kind: str, name: str, value: Any) -> Any:
+        one = self.require_run().kinds.kind(kind)
+        own = {key: number for key, number in one.parameters.items() if key != name}
+        self.change_kind_now(one, parameters=own if value is None else {**own, name: value})
+        return value
+
+    def paint_kind_now(self, kind: str, colour: str) -> str:
+        self.change_kind_now(self.require_run().kinds.kind(kind), colour=colour)
+        return colour
+
+    def change_kind_now(self, kind: Kind, **changes: Any) -> None:
+        self.change_kinds_now(self.require_run().kinds.with_kind(replace_kind(kind, **changes)))
+
+    def change_kinds_now(self, kinds: KindTable) -> None:
+        """Have the flock go on with other parameters and relations of its kinds."""
+        run = self.require_run()
+        self.change(lambda run: run.change_kinds(kinds))
+        self.pace.reset_cost()
+        self.state = replace(self.state, kinds=run.kinds)
+        self.stale = True
 
     def value_now(self, name: str, beside: bool, models: Models | None) -> Any:
         """The value of a parameter; 0 of models that run no longer, which nothing is set of."""

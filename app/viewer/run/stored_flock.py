@@ -17,7 +17,9 @@ import numpy as np
 from agents.catalogue import model as find_model
 from agents.engine.arrays import Arrays
 from agents.flock import Flock
+from agents.kinds import kind_table, replace_kind
 from agents.models.declare import checked
+from agents.motion import demand_kinds
 from agents.recordings.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
@@ -159,7 +161,9 @@ def resume(spec: CompleteSpec, saved: Snapshot, build: Callable[..., Flock], **m
     """The flock of a run as it was in a snapshot, from which it goes on. Raises InputError."""
     spec = spec.with_values(world=saved.world, layout=None)
     start = {"position": saved.position, "heading": saved.heading}
-    flock = build(spec, start=start, **more)
+    # Without its kinds: of these some may have been caught, and fewer be left than it asks for.
+    flock = build(spec.with_values(kinds=(), to={}), start=start, **more)
+    demand_kinds(flock.model, flock.parameters, saved.kinds)
     flock.options = spec
     flock.return_to(saved)
     return flock
@@ -179,8 +183,15 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
         with suppress(InputError):
             kept[name] = getattr(checked(parameters, {name: run.parameters[name]}), name)
     kept |= {name: one for name, one in run.individuals.items() if name in kept}
-    spec = run.with_parameters(kept, world=now.world, layout=None)
-    flock = build(spec, start={"position": now.position, "heading": now.heading})
+    kinds = tuple(
+        replace_kind(one, parameters={k: v for k, v in one.parameters.items() if k in kept})
+        for one in now.kinds.kinds
+    )
+    spec = run.with_parameters(kept, world=now.world, layout=None, kinds=kinds)
+    alone = spec.with_values(kinds=(), to={})
+    flock = build(alone, start={"position": now.position, "heading": now.heading})
+    table = kind_table(kinds, now.kinds.to)
+    demand_kinds(model, flock.parameters, table)
     arrays, columns = flock.arrays._asdict(), now.model.columns
     for name, array in now.arrays._asdict().items():
         if name not in ("memory", "past", "own") and array.shape == arrays[name].shape:
@@ -189,11 +200,22 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
     for row, name in enumerate(flock.model.columns):
         if name in columns:
             memory[row] = now.arrays.memory[columns.index(name)]
+    if kinds:
+        arrays["kind"] = now.arrays.kind
+        shared = [float(getattr(flock.parameters, name)) for name in model.individual]
+        arrays["own"] = np.tile(shared, (len(now.ids), 1))
     for name, column in now.own.items():
-        if name in flock.individuals:
+        if name in model.individual and arrays["own"].shape[1]:
             arrays["own"][:, model.individual.index(name)] = column
-    then = replace(flock.snapshot(), tick=now.tick, next_id=now.next_id, arrays=Arrays(**arrays))
-    return InMemoryFlock(flock.spec, then)
+    then = replace(
+        flock.snapshot(),
+        tick=now.tick,
+        next_id=now.next_id,
+        arrays=Arrays(**arrays),
+        kinds=table,
+        catches=now.catches,
+    )
+    return InMemoryFlock(flock.spec.with_values(kinds=kinds, to=table.to), then)
 
 
 def read_stored(name: str, content: bytes | None = None, path: Path | None = None) -> StoredFlock:

@@ -173,7 +173,12 @@ class TimeLine:
             restore(run, then)
             values, others = run.values, run.beside_values
             host.state = replace(
-                host.state, running=False, rate=0.0, values=values, beside_values=others
+                host.state,
+                running=False,
+                rate=0.0,
+                values=values,
+                beside_values=others,
+                kinds=run.kinds,
             )
             for flock_run in run.both:
                 flock_run.readings.notes = self.present is None
@@ -203,6 +208,7 @@ class TimeLine:
                 spec=then.spec,
                 values=run.values,
                 beside_values=run.beside_values,
+                kinds=run.kinds,
             )
             host.stale = True
 

@@ -25,6 +25,7 @@ from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS
 from app.viewer.lab.panels.run_panel import describe_scene, status
 from app.viewer.measuring.run_conditions import format_setting
 from app.viewer.panels.dials import plain_symbol
+from app.viewer.panels.kinds import TITLE, describe_kinds
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import raised_powers
 from app.viewer.panels.shell import KEYS, add_hotkeys, block, dock, set_look
@@ -64,6 +65,8 @@ def values(state: SimulationState) -> str:
     if beside is not None and state.beside_values:
         own = declared(MODELS[beside].parameters)
         told += listed(f"Only {beside}", own, state.beside_values)
+    if state.kinds.kinds:
+        told += f'<h2 class="fs-head">{TITLE}</h2>{describe_kinds(state.kinds, None)}'
     return block(told)
 
 
@@ -244,7 +247,7 @@ class WatchPage:
         if row is None or flock is None or row >= len(flock.ids):
             watcher.choose(None)
             return
-        identity = int(flock.ids[row]) if flock.world.has_gates else None
+        identity = int(flock.ids[row]) if flock.has_turnover else None
         watcher.choose(AgentSelection(row, beside, frame.run, identity))
 
     def point(self, client: viser.ClientHandle, camera: str) -> None:

@@ -198,7 +198,8 @@ def measured_for_all(chosen: Iterable[Iterable[str]]) -> frozenset[str]:
     """What is to be measured for all who watch: of too much, what most of them have chosen."""
     votes = Counter(name for names in chosen for name in set(names) - ALWAYS)
     order = list(OBSERVABLES)
-    first = sorted(votes, key=lambda name: (-votes[name], order.index(name)))
+    place = {name: number for number, name in enumerate(order)}
+    first = sorted(votes, key=lambda name: (-votes[name], place.get(name, len(place)), name))
     return frozenset(first[:MOST])
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 import viser
 
+from agents.individuals import Distribution
 from agents.inspection import UNSEEN, Inspection
 from agents.models.declare import describe
 from agents.models.model import vector_name
@@ -42,11 +43,22 @@ def head(frame: Frame, inspection: Inspection) -> str:
     """Who it is, and the most telling rows."""
     rows = dict(list(facts(frame, inspection).items())[:FIRST])
     kind = " · information agent" if frame.informed[inspection.row] else ""
+    kind += kind_text(frame, inspection.row)
     flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
     name = f"Agent {inspection.id}"
     if inspection.name:
         name = f"Individual {html.escape(inspection.name[:LONGEST_NAME])}"
     return f'<h2 class="fs-head">{name}{kind}</h2>{flock}{escaped_table(rows)}'
+
+
+def kind_text(frame: Frame, row: int) -> str:
+    """Of which kind an agent is, HTML; nothing where there are no kinds."""
+    if frame.kind is None:
+        return ""
+    number = int(frame.kind[row])
+    name = "caught" if number < 0 else f"kind {html.escape(frame.kinds.names[number])}"
+    colour = palette.css(palette.colours_by_kind(frame.kind[row : row + 1], frame.kinds)[0])
+    return f'<span><i class="fs-dot fs-small" style="background:{colour}"></i>{name}</span>'
 
 
 def folds(frame: Frame, inspection: Inspection) -> dict[Fold, tuple[str, str]]:
@@ -125,9 +137,19 @@ def own_facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
             one = describe(name, inspection.model.parameters.model_fields[name])
             words = f"{one.words} {plain_symbol(one.symbol)}"
             unit = "" if one.unit == "1" else f" {one.unit}"
-        among = f" of {frame.individuals[name]}" if name in frame.individuals else ""
+        drawn_from = source_of(frame, name, inspection.row)
+        among = "" if drawn_from is None else f" of {drawn_from}"
         listed[words] = f"{column[inspection.row]:.4g}{unit}{among}"
     return listed
+
+
+def source_of(frame: Frame, name: str, row: int) -> Distribution | None:
+    """What an agent's own number of a parameter was drawn from; None: it has that of its kind."""
+    number = 0 if frame.kind is None else int(frame.kind[row])
+    if number > 0 and name in frame.kinds.kinds[number - 1].parameters:
+        value = frame.kinds.kinds[number - 1].parameters[name]
+        return value if isinstance(value, Distribution) else None
+    return frame.individuals.get(name)
 
 
 def vector(parts: object) -> str:

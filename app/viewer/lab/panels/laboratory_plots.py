@@ -14,7 +14,7 @@ from viser import uplot
 
 from agents.catalogue import short_model_name
 from agents.models.model import Model
-from agents.observables.catalogue import OBSERVABLES, default_charts
+from agents.observables.catalogue import default_charts, find_observable
 from app.front.controls import set_value
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRun, KeptRuns
@@ -324,7 +324,7 @@ def short_name(name: str) -> str:
     >>> short_name("mean-neighbours"), short_name("connectivity")
     ('neighbours', 'connectivity')
     """
-    card = OBSERVABLES[name].card
+    card = find_observable(name).card
     return (
         card.label if card is not None and isinstance(card.label, str) else observable_words(name)
     )
@@ -391,13 +391,20 @@ class LaboratoryPlots:
         return () if now == tuple(map(chart_title, usual)) else now
 
     def refresh(
-        self, readings: FlockReadings, frame: Frame, beside: FlockReadings | None = None
+        self,
+        readings: FlockReadings,
+        frame: Frame,
+        beside: FlockReadings | None = None,
+        is_coming: bool = False,
     ) -> None:
-        """Draw the run as far as it has come; dashed, that of the flock beside."""
+        """Draw the run as far as it has come; dashed, that of the flock beside.
+
+        `is_coming`: whether the run of a scene is yet to come, and what it plots with it.
+        """
         beside = None if frame.beside is None else beside
         runs = (readings,) if beside is None else (readings, beside)
         self.runs.follow(runs)
-        self.offer(readings, beside)
+        self.offer(readings, beside, is_coming)
         overlay = Overlay(runs, self.runs, self.last)
         first = True
         for chart in self.charts:
@@ -405,20 +412,26 @@ class LaboratoryPlots:
             chart.refresh(overlay, changes=first)
             first = first and not chart.names
 
-    def offer(self, readings: FlockReadings, beside: FlockReadings | None) -> None:
-        """Let what these flocks have be chosen; of another model, choose the usual."""
+    def offer(
+        self, readings: FlockReadings, beside: FlockReadings | None, is_coming: bool = False
+    ) -> None:
+        """Let what these flocks have be chosen; of another model, choose the usual, and so where
+        a flock has more to tell and nobody has chosen otherwise."""
         others = () if beside is None else beside.offered
         offered = tuple(dict.fromkeys([*readings.offered, *others]))
+        is_usual = not self.chosen
+        model = readings.flock.model
         if offered != self.offered:
+            if is_usual:
+                self.model = None
             self.offered, self.choices = offered, choices(offered)
             for chart in self.charts:
                 chart.choice.options = tuple(self.choices)
-        model = readings.flock.model
         if model is not self.model:
             self.model = model
             for chart, names in zip(self.charts, default_charts(model, offered), strict=True):
                 set_value(chart.choice, chart_title(names))
-        if self.asked is not None and self.asked[0] is model:
+        if self.asked is not None and self.asked[0] is model and not is_coming:
             for chart, name in zip(self.charts, self.asked[1], strict=False):
                 if name in self.choices:
                     set_value(chart.choice, name)

@@ -11,6 +11,7 @@ import viser
 from agents.catalogue import MODELS, PLAYED
 from agents.conditions import Conditions
 from agents.individuals import Distribution
+from agents.kinds import NO_KINDS
 from agents.models.model import Model
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Options, Spec
 from app.front.controls import set_value
@@ -155,13 +156,14 @@ class SetupPanel:
         stays = spec.model == self.running[0].model
         if beside is not None and stays and (spec.model, beside.model) == state.models:
             beside = beside.with_parameters(state.beside_values)
-        values = state.values if stays else {}
-        return spec.with_parameters(values, seed=self.seed.value), beside
+        values, kinds = (state.values, state.kinds) if stays else ({}, NO_KINDS)
+        spec = spec.with_parameters(values, kinds=kinds.kinds, to=kinds.to, seed=self.seed.value)
+        return spec, beside
 
     @staticmethod
     def dropped_differences(state: SimulationState, pairing: Pairing) -> str:
-        """What is said of differences between agents that the next run does not have, as of
-        another model; empty: it has all of them."""
+        """What is said of differences between agents, and of kinds of them, that the next run does
+        not have, as of another model; empty: it has all of them."""
         spec, beside = pairing
         taken = spec.individuals | ({} if beside is None else beside.individuals)
         lost = [
@@ -169,6 +171,8 @@ class SetupPanel:
             for name, value in (state.beside_values | state.values).items()
             if isinstance(value, Distribution) and name not in taken
         ]
+        names = {kind.name for kind in spec.kinds}
+        lost += [f"kind {kind.name}" for kind in state.kinds.kinds if kind.name not in names]
         return f"Not taken over into the new run: {', '.join(lost)}" if lost else ""
 
     def catch_up(self, spec: CompleteSpec) -> None:

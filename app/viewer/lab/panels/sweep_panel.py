@@ -311,7 +311,9 @@ class SweepPanel:
                 form.offer(model)
             self.observed = {}
         observed = {
-            observable_words(name): name for name in offered if not OBSERVABLES[name].is_table
+            observable_words(name): name
+            for name in offered
+            if name in OBSERVABLES and not OBSERVABLES[name].is_table
         }
         if observed == self.observed or not observed:
             return

@@ -210,6 +210,12 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
     A world that is none of the built-in ones is in WORLD.
     """
     demand_catalogued(spec)
+    if spec.kinds:
+        names = ", ".join(kind.name for kind in spec.kinds)
+        raise InputError(
+            f"there are kinds of agents ({names}): a sweep from the page has none; "
+            "`flockscope run` makes single runs of them"
+        )
     if spec.start != "random":
         raise InputError("this run began from given places: a sweep begins from random ones")
     run: dict[str, Any] = {"model": spec.model, "ticks": ticks} | spec.chosen

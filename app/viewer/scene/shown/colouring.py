@@ -17,6 +17,8 @@ OWN = "each its own"
 """A colour by identity, with which an agent is found again wherever it is told of."""
 MEASURED = "measured"
 """Any number that each agent has: a signal of its model, or one of `OF_AGENTS`."""
+KIND = "kind"
+"""A colour for each kind of agents."""
 MOST_NAMED = 24
 """Of more agents none is named beside its own colour."""
 MOST_SAVED = 1.0
@@ -93,13 +95,23 @@ def _own_legend(frame: Frame, _measured: str) -> Legend:
         return [(name, palette.css(colour)) for name, colour in names.items()] + more
     if len(frame.ids) > MOST_NAMED:
         return [(f"{len(palette.OWN)} colours in turn", palette.css(palette.COLOURS[0])), *more]
-    worn = np.asarray(frame.informed, bool) | frame.is_down
+    worn = np.asarray(frame.informed, bool) | frame.is_down | frame.is_caught
     if frame.cars is not None:
         worn |= frame.cars.predator
     noun = "agent" if frame.cars is None else "car"
     colours = palette.identity_colours(frame.ids)
     rows = [row for row in np.argsort(frame.ids) if not worn[row]]
     return [(f"{noun} {frame.ids[row]}", palette.css(colours[row])) for row in rows] + more
+
+
+def _kind_colours(frame: Frame) -> np.ndarray:
+    kind = np.zeros(len(frame.ids), int) if frame.kind is None else frame.kind
+    return palette.colours_by_kind(kind, frame.kinds)
+
+
+def _kind_legend(frame: Frame, _measured: str) -> Legend:
+    colours = palette.kind_colours(frame.kinds)
+    return list(zip(frame.kinds.names, map(palette.css, colours), strict=True))
 
 
 def outlines(frame: Frame) -> Legend:
@@ -152,6 +164,7 @@ COLOURINGS = {
         has_wheel=True,
     ),
     OWN: Colouring(palette.frame_colours, _own_legend, of_cars=True),
+    KIND: Colouring(_kind_colours, _kind_legend, needs=lambda frame: frame.kind is not None),
     "layer": Colouring(
         lambda frame: _label_colours(frame, frame.layer, palette.layer_colours),
         _layer_legend,

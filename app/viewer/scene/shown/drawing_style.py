@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.models.model import Model
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED, OWN, Legend
+from app.viewer.scene.shown.colouring import COLOURINGS, KIND, MEASURED, OWN, Legend
 from app.viewer.scene.shown.control import chosen_field
 from app.viewer.scene.shown.frame import Frame
 
@@ -215,11 +215,12 @@ class DrawingStyle:
 
 def agent_colours(frame: Frame, look: DrawingStyle) -> np.ndarray:
     """Colours (N, 3), sRGB in [0, 1]; information agents and predators
-    wear their own, and so do the crashed."""
+    wear their own, and so do the caught and the crashed."""
     colours = COLOURINGS[look.colour].colours(frame)
     colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
     if frame.cars is not None:
         colours[frame.cars.predator] = palette.LEADER
+    colours[frame.is_caught] = palette.CAUGHT
     colours[frame.is_down] = palette.CRASHED
     return colours
 
@@ -232,6 +233,8 @@ def legend(look: DrawingStyle, frame: Frame) -> Legend:
         entries = [*entries, ("information agent", palette.css(palette.LEADER))]
     if frame.cars is not None and frame.cars.predator.any():
         entries = [*entries, ("predator", palette.css(palette.LEADER))]
+    if frame.is_caught.any():
+        entries = [*entries, ("caught", palette.css(palette.CAUGHT))]
     return [*entries, ("crashed", palette.css(palette.CRASHED))] if frame.is_down.any() else entries
 
 
@@ -253,12 +256,14 @@ class DrawingDefaults:
     """Trail length where trails rise with time, ticks."""
 
 
-def default_style(model: Model, agents: int | None, tick: float) -> DrawingDefaults:
+def default_style(
+    model: Model, agents: int | None, tick: float, has_kinds: bool = False
+) -> DrawingDefaults:
     """How a flock of a model is drawn whose ticks last so long, in its unit of time."""
-    common = DrawingStyle()
+    common = DrawingStyle(colour=KIND) if has_kinds else DrawingStyle()
     if model.body.vehicle is None:
         return DrawingDefaults(common, common.trail_length)
-    few = agents is not None and agents <= FEW
+    few = agents is not None and agents <= FEW and not has_kinds
     return DrawingDefaults(DrawingStyle(colour=OWN) if few else common, trail_turns(tick))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from agents.flock import Flock
 from agents.individuals import Distribution
 from agents.inspection import Inspection
+from agents.kinds import NO_KINDS, KindTable
 from agents.state.agent_rows import Crashes
 from worlds.world import World
 
@@ -106,7 +107,7 @@ class MissionProgress:
 
 
 OF_AGENTS = ("position", "heading", "speed", "informed", "ids", "layer", "group", "measured",
-             "active", "saved", "seen", "hollow", "reaches")  # fmt: skip
+             "active", "saved", "seen", "hollow", "reaches", "kind")  # fmt: skip
 """What a frame has of each agent, a row each, or None."""
 
 
@@ -156,6 +157,13 @@ class Frame:
     """(N,) each: the agents' own numbers of the parameters that differ, by name."""
     individuals: Mapping[str, Distribution] = MappingProxyType({})
     """What these were drawn from."""
+    kind: np.ndarray | None = None
+    """(N,) int: the number of each agent's kind, 0 of the ordinary ones, -1 of who was caught and
+    stands still; None: there are no kinds."""
+    kinds: KindTable = NO_KINDS
+    """What these are called and coloured."""
+    has_turnover: bool = False
+    """Whether agents may come or go while it runs."""
     reaches: np.ndarray | None = None
     """(N,): how far each notices others, length, where that differs; None: `reach` is of all."""
     links: np.ndarray | None = None
@@ -227,6 +235,11 @@ class Frame:
     def is_down(self) -> np.ndarray:
         """Agents that have crashed, (N,) bool."""
         return np.zeros(len(self.ids), bool) if self.active is None else ~self.active
+
+    @property
+    def is_caught(self) -> np.ndarray:
+        """Agents that were caught and stand still, (N,) bool."""
+        return np.zeros(len(self.ids), bool) if self.kind is None else self.kind < 0
 
     @property
     def low(self) -> np.ndarray:

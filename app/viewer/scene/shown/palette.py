@@ -9,6 +9,7 @@ from functools import cache, lru_cache
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from agents.kinds import KindTable
 from app.viewer.scene.shown.frame import Frame
 
 # Perceptually even colours: OKLCH (lightness, chroma, hue) to sRGB.
@@ -195,6 +196,8 @@ STATES = {
 """What a car in a room with real ones is: the colour of the outline around it."""
 ARMS = {"safe": srgb("#64748b"), "armed": srgb("#0e8f8a"), "emergency": srgb("#d92b2b")}
 """The edge of a capture area, by what the laboratory may do."""
+CAUGHT = srgb("#c3ccd8")
+"""Who was caught and stands still: pale on a light and on a dark ground."""
 CRASHED = srgb("#a3706c")
 CRASH = srgb("#c9302c")
 """The place of a crash that has just happened."""
@@ -329,6 +332,25 @@ def identity_colours(ids: np.ndarray) -> np.ndarray:
     12
     """
     return COLOURS[(np.asarray(ids, int) - 1) % len(COLOURS)]
+
+
+def kind_colours(kinds: KindTable) -> np.ndarray:
+    """The colours of kinds (K, 3), the ordinary one first: what they declare, else the most
+    distinct that no other one has.
+
+    >>> [css(one) for one in kind_colours(KindTable((), {}))]
+    ['#016cff']
+    """
+    declared = {kind.colour.lower() for kind in kinds.kinds}
+    left = (colour for colour in OWN.values() if css(colour) not in declared)
+    colours = [next(left)]
+    colours += [srgb(kind.colour) if kind.colour else next(left) for kind in kinds.kinds]
+    return np.array(colours)
+
+
+def colours_by_kind(kind: np.ndarray, kinds: KindTable) -> np.ndarray:
+    """Numbers of kinds (N,), -1 of who was caught -> colours (N, 3)."""
+    return np.concatenate([kind_colours(kinds), CAUGHT[None]])[kind]
 
 
 def car_colours(names: Sequence[str]) -> dict[str, np.ndarray]:
