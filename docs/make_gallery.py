@@ -30,6 +30,7 @@ from agents import Flock
 from agents.catalogue import MODELS
 from app.viewer.gallery.lessons.lessons import built_in_lesson, lesson_names
 from app.viewer.gallery.scene_collection import MOVES, PICTURES, built_in_scene, scene_names
+from app.viewer.scene.shown.palette import colours_by_kind
 from app.worlds.world_picture import LOOK, draw_plan
 from worlds.generators import draw_obstacles
 from worlds.layout import layout_names, world
@@ -55,7 +56,9 @@ SCENES = {
     "mission": Scene((190,), 0.5, tail=30, window=(11, 8)),
     "order": Scene((60,), 0.6),
     "pocket": Scene((1000,), 2.2, tail=200),
+    "predator": Scene((500,), 0.3),
     "school": Scene((1000,), 1.6),
+    "sorted": Scene((1000,), 1.0),
     "spins": Scene((60,), 0.36),
 }
 """The tick at which one sees what a scene shows, and how long its agents are drawn."""
@@ -121,6 +124,8 @@ def camera_of(flock: Flock, scene: Scene) -> Camera:
 def draw(flock: Flock, scene: Scene, trace: np.ndarray, camera: Camera) -> Figure:
     """One moment of a run, with where its agents have just been, (T, N, dim)."""
     colour = by_layer(flock) if on_mission(flock) else by_heading(flock)
+    if flock.kinds.kinds:
+        colour = colours_by_kind(flock.arrays.kind.astype(int), flock.kinds)
     with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
         figure = Figure(figsize=(WIDTH / 50, HEIGHT / 50))
         axes = figure.add_axes((0, 0, 1, 1))

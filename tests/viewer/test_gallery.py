@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
+from scipy.stats import spearmanr
 
 from agents import individuals
 from agents.catalogue import BUILT_IN, MODELS
@@ -70,6 +71,8 @@ SHOWN = (
     ("cars", {}, "polarisation", 1500, ">", 0.9),
     ("echelons", {}, "energy-saved", 1500, ">", 15.0),
     ("drones", {}, "polarisation", 400, ">", 0.7),
+    ("predator", {}, "catches", 1500, ">", 20),
+    ("predator", {}, "polarisation", 1500, ">", 0.7),
     ("spins", {}, "polarisation", 400, "<", 0.85),
     ("spins", {"eta": 5.0}, "polarisation", 400, ">", 0.9),
 )
@@ -134,6 +137,21 @@ def test_the_rule_beside_the_one_that_gets_out_of_the_pocket_is_far_from_the_goa
     assert flock.observe("goal-distance") > 15.0
 
 
+def test_who_flees_more_is_caught_less_and_knows_no_order():
+    flock = Flock(built_in_scene("predator").spec)
+    flock.relate("flock", "predator", flee(2.0, 1.0))
+    flock.run(1500)
+    assert flock.observe("catches") < 20
+    assert flock.observe("polarisation") < 0.7
+
+
+def test_the_fast_fly_in_front_of_the_slow():
+    flock = Flock(built_in_scene("sorted").spec)
+    flock.run(1500)
+    ahead = (flock.position - flock.position.mean(axis=0)) @ flock.heading.mean(axis=0)
+    assert spearmanr(flock.own["s"], ahead).statistic > 0.9
+
+
 def test_patches_fly_alike_unless_there_is_too_much_noise():
     def alike(**changes):
         spec = built_in_scene("order").spec
@@ -185,7 +203,7 @@ def test_cards_name_what_is_related_and_only_what_opens():
         assert len(set(card.related)) == len(card.related)
         for name in card.related:
             assert name in made
-    assert made["school"].related[:2] == ("model:couzin", "lesson:field-of-view")
+    assert made["school"].related[:2] == ("model:couzin", "sorted")
     assert made["model:gregoire-chate"].related[:2] == ("bands", "model:vicsek1995")
     assert made["world:drone-arena"].related == ("model:vasarhelyi",)
     for name in (*scene_names(), *(MODEL + name for name in MODELS)):
