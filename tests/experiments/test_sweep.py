@@ -307,6 +307,33 @@ def test_a_script_gets_the_same_as_a_file(tmp_path):
         sweep("vem", vary={"eta": [1.0, 9.0]})
 
 
+KINDS = """
+[[run.kinds]]
+name = "shark"
+agents = 2
+parameters = { v0 = 0.06 }
+to = { flock = { chase = 2.0, radius = 2.0, catch = 0.2 } }
+"""
+
+
+def test_a_sweep_of_a_run_with_kinds_is_that_of_its_flocks(tmp_path):
+    from flockscope import Flock, Kind, Spec, chase, sweep
+
+    shark = Kind("shark", 2, v0=0.06, to={"flock": chase(2.0, 2.0, catch=0.2)})
+    spec = Spec("vem", agents=10, size=2.0, kinds=[shark])
+    asked = {"vary": {"eta": [0.0, 3.0]}, "runs": 2, "ticks": 30, "observe": ["catches"]}
+    made = sweep(spec, **asked)
+    frame = made.to_pandas()
+    for row in frame.itertuples():
+        flock = Flock(spec.taking(eta=row.eta, seed=int(row.seed)))
+        flock.run(30)
+        assert row.catches == flock.observe("catches")
+    assert frame["catches"].max() > 0
+    text = SMALL.replace("[run.parameters]", KINDS + "[run.parameters]")
+    text = text if KINDS in text else text + KINDS
+    assert read(tmp_path, text=text).cells[0].spec.kinds == (shark,)
+
+
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_results_are_tables(tmp_path, kind):

@@ -205,7 +205,7 @@ def test_a_number_as_an_axis_is_of_all_agents_and_text_may_be_a_distribution(tmp
     [
         ("from = 0,", "from = -1,", r"v0.spread = -1 length/tick is not allowed: .*, line 11;"),
         ("v0.spread =", "v9.spread =", r"v9.spread: unknown parameter 'v9'.*, line 11;"),
-        ("v0.spread =", "k.spread =", r"k.spread: k cannot differ .* asks for one .*, line 11;"),
+        ("v0.spread =", "k.spread =", r"k.spread: k cannot differ .* as many nearest .*, line 11;"),
         ("[0.04, 0.05]", "[9.0]", r"v0.mean = 9 length/tick is outside \[0, 1\].*, line 12;"),
         ("[0.04, 0.05]", "[0.0]", r"v0.spread: lognormal.* mean .* is > 0.*, line 11;"),
         ("[0.04, 0.05]", "['x']", r"v0.mean = 'x' is not allowed: a number is needed.*, line 12;"),

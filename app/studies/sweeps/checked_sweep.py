@@ -218,7 +218,7 @@ def base_of(file: SweepFile, places: KeyLocations, folder: Path) -> Spec:
             world=world,
             parameters=run.parameters,
             **options,
-        )
+        ).but(kinds=run.kinds, to=run.to)
     except InputError as refusal:
         where = places.describe(name_in_refusal(str(refusal)), "run")
         raise InputError(f"{refusal} ({where})") from None

@@ -145,6 +145,7 @@ def spec_table(spec: Spec) -> dict[str, Any]:
         )
     values = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
     values["parameters"] |= values.pop("individuals")
+    values = {key: value for key, value in values.items() if value or key not in ("kinds", "to")}
     return {key: plain_value(value) for key, value in values.items()}
 
 

@@ -77,8 +77,8 @@ class Basis:
         flock = Flock(spec.but(seed=self.seed))
         run, until = flock.options, self.making.until
         left = {*OPEN, "world", "size", "dim", "parameters"}
-        if not run.individuals:  # runs whose agents are alike are known as before there were others
-            left.add("individuals")
+        # Runs whose agents are alike are known as before there were others.
+        left |= {key for key in ("individuals", "kinds", "to") if not getattr(run, key)}
         values = run.model_dump(exclude=left)
         identity = {
             "spec": values

@@ -14,6 +14,7 @@ from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_val
 from agents.spec import LARGEST_SEED, Options
 from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
+from app.studies.experiment_file import WithKinds
 from app.studies.moments import ByAxis
 from worlds.input_error import InputError, unknown
 
@@ -213,7 +214,7 @@ MOST_TICKS = 10**9
 EVERY = re.compile(r"every ([1-9][0-9]{0,8})")
 
 
-class RunOptions(StrictTable, Options):
+class RunOptions(WithKinds, Options):
     """What all runs share; axes set what differs."""
 
     model: str
