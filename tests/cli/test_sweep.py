@@ -166,7 +166,7 @@ def test_a_spread_is_varied_without_a_file_and_gone_on_with(tmp_path, monkeypatc
     [
         (("run", "vem"), "for a model give --vary"),
         (("run", "vem", "--vary", "v0.spread=-1:1:3"), "a spread is >= 0 (--vary v0.spread="),
-        (("run", "vem", "--vary", "k.mean=3,4"), "for one number of all (--vary k.mean=3,4"),
+        (("run", "vem", "--vary", "k.mean=3,4"), "neighbours of all (--vary k.mean=3,4"),
         (("run", "vem", "--vary", "v0.mean=0,9"), "is outside [0, 1] length/tick (--vary v0.mea"),
         (("run", "vem", "--vary", "v0.mean=0,1", "--vary", "v0=1"), "beside v0, which is one"),
         (("run", "nowhere.toml"), "cannot be read"),
