@@ -124,9 +124,16 @@ def axes_of(reader: StoreReader) -> list[str]:
 
 
 def model_of(reader: StoreReader) -> str:
-    """The model that all cells run; "" where they run several."""
-    models = {str(cell["identity"]["spec"].get("model", "")) for cell in reader.cells.values()}
+    """The model that all cells run; "" where they run several, or where a file does not say it."""
+    models = {model_of_cell(cell) for cell in reader.cells.values()}
     return models.pop() if len(models) == 1 else ""
+
+
+def model_of_cell(cell: Any) -> str:
+    """The model of a cell as a file has it, whoever made that file; "" where it has none."""
+    for key in ("identity", "spec", "model"):
+        cell = cell.get(key) if isinstance(cell, dict) else None
+    return cell if isinstance(cell, str) else ""
 
 
 def places_of(reader: StoreReader) -> dict[int, int]:
