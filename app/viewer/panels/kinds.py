@@ -260,7 +260,9 @@ class KindsPanel:
                 )
             self.form = gui.add_folder("Another kind", expand_by_default=False)
             with self.form:
-                self.new_name = gui.add_text("Name", "shark", hint="Letters, digits, - and _")
+                self.new_name = gui.add_text(
+                    "Name of the kind", "shark", hint="Letters, digits, - and _"
+                )
                 self.new_number = gui.add_number(
                     "Agents", 2, min=1, max=MOST_OF_A_KIND, step=1, hint="How many of it"
                 )
