@@ -6,10 +6,14 @@ import importlib
 import importlib.abc
 import importlib.util
 import sys
+import threading
 import types
 from functools import partial
 from importlib.machinery import ModuleSpec
 from typing import Any
+
+REPLACING = threading.Lock()
+"""Held while placeholders are taken from among the modules."""
 
 
 def defer(name: str, *functions: str) -> None:
@@ -49,9 +53,13 @@ class DeferredModule(types.ModuleType):
         So do the others of its package, which may import each other.
         """
         package = self.__name__.partition(".")[0]
-        for key, module in tuple(sys.modules.items()):
-            if key.partition(".")[0] == package and isinstance(module, DeferredModule):
-                del sys.modules[key]
+        # Threads ask at once. Whoever comes second must neither miss a placeholder nor take away
+        # the module that has come in its place. Python's own lock is for the import below: to wait
+        # for it with this one in hand could wait for ever.
+        with REPLACING:
+            for key, module in tuple(sys.modules.items()):
+                if key.partition(".")[0] == package and isinstance(module, DeferredModule):
+                    del sys.modules[key]
         return importlib.import_module(self.__name__)
 
 
