@@ -5,21 +5,9 @@
 {
   const root = document.documentElement;
   const AWAY = 26, CLEAR = 14, EDGE = 8, TOOLS = 52, SHORT = 160, REST = 1500;
-  let client = null, camera = null, sent = 0, shown = null, dragged = false, pressed = null, moved = 0;
+  let camera = null, sent = 0, shown = null, dragged = false, pressed = null, moved = 0;
 
-  const Worker = window.Worker;
-  window.Worker = class extends Worker {
-    constructor(...given) {
-      super(...given);
-      this.addEventListener("message", (event) => {
-        if (event.data && event.data.type === "message_batch") client = event.currentTarget;
-      });
-    }
-    postMessage(data, ...more) {
-      if (data && data.message && data.message.type === "ViewerCameraMessage") camera = data.message;
-      super.postMessage(data, ...more);
-    }
-  };
+  viserClient.onSend((message) => { if (message.type === "ViewerCameraMessage") camera = message; });
 
   const windowOf = (card) => card && card.closest("[data-floating-window]");
   const canvas = () => document.querySelector("canvas[data-engine]").getBoundingClientRect();
@@ -73,15 +61,15 @@
     const to = place(area, here, now.width, tall, again ? now : null);
     root.style.setProperty("--fs-card", to.h < tall ? `${to.h}px` : "none");
     const position = { kind: "float", x: Math.max(0, to.x - whole.left), y: Math.max(0, to.y - whole.top) };
-    const message = { type: "GuiSetPanelPositionMessage", uuid: card.dataset.panel, position, counter: sent++, run_id: "card" };
-    client.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages: [message] } }));
+    const uuid = card.dataset.panel;
+    viserClient.show({ type: "GuiSetPanelPositionMessage", uuid, position, counter: sent++, run_id: "card" });
     moved = performance.now();
   };
 
   root.setAttribute("data-card", "waits");
   setInterval(() => {
     const card = document.querySelector(".fs-agent"), frame = windowOf(card);
-    if (!frame || !client) {
+    if (!frame || !viserClient.isThere()) {
       shown = null;
       root.setAttribute("data-card", "waits");
       return;

@@ -53,20 +53,12 @@
     due = setTimeout(look, lost || !connected ? often : seldom);
     looking = false;
   };
-  const heard = (event) => {
-    const kind = event.data && event.data.type;
-    if (kind === "connected") connected = true;
-    if (kind !== "closed") return;
+  viserClient.onData(({ type }) => {
+    if (type === "connected") connected = true;
+    if (type !== "closed") return;
     if (connected) { severed = true; well = performance.now(); look(); }
     connected = false;
-  };
-  const Worker = window.Worker;
-  window.Worker = class extends Worker {
-    constructor(...given) {
-      super(...given);
-      this.addEventListener("message", heard);
-    }
-  };
+  });
   window.addEventListener("online", look);
   document.addEventListener("visibilitychange", () => { if (!document.hidden) look(); });
   due = setTimeout(look, seldom);

@@ -4,30 +4,22 @@
    there, and given to viser's client and to the server as its slider would do it. */
 {
   const patience = 250, rate = 50, slack = 3;
-  let client = null, text = "", dials = {}, held = null, waiting = null;
+  let text = "", dials = {}, held = null, waiting = null;
   const drawn = new WeakMap(), sent = { at: 0, due: 0, last: null };
 
-  const heard = (event) => { if (event.data && event.data.type === "message_batch") client = event.currentTarget; };
-  const Worker = window.Worker;
-  window.Worker = class extends Worker {
-    constructor(...given) {
-      super(...given);
-      this.addEventListener("message", heard);
-    }
-  };
   /* At most one message in `rate` ms; the last is always sent. */
   const flush = () => {
     clearTimeout(sent.due);
     if (sent.last === null) return;
-    client.postMessage({ type: "send", message: sent.last });
+    viserClient.send(sent.last);
     sent.at = performance.now();
     sent.last = null;
   };
   const give = (uuid, value) => {
     const slider = document.getElementById(uuid);
-    if (client === null || slider === null || slider.hasAttribute("data-disabled")) return;
+    if (!viserClient.isThere() || slider === null || slider.hasAttribute("data-disabled")) return;
     const message = { type: "GuiUpdateMessage", uuid, updates: { value } };
-    client.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages: [message] } }));
+    viserClient.show(message);
     if (sent.last !== null && sent.last.uuid !== uuid) flush();
     clearTimeout(sent.due);
     sent.last = message;

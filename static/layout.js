@@ -67,28 +67,16 @@
   };
   /* viser forgets how wide the server wants a panel once the panel has been a sheet: it is told again. */
   const widths = new Map();
-  let client = null, told = 0, isForgotten = false;
-  const heard = (event) => {
-    if (event.data?.type !== "message_batch") return;
-    for (const message of event.data.messages) {
-      if (message.type !== "GuiSetPanelWidthMessage") continue;
-      client = event.currentTarget;
-      widths.set(message.uuid, message.width);
-    }
-  };
-  const Worker = window.Worker;
-  window.Worker = class extends Worker {
-    constructor(...given) {
-      super(...given);
-      this.addEventListener("message", heard);
-    }
-  };
+  let told = 0, isForgotten = false;
+  viserClient.onMessage((message) => {
+    if (message.type === "GuiSetPanelWidthMessage") widths.set(message.uuid, message.width);
+  });
   const restoreWidths = () => {
-    if (!isForgotten || !client || !document.querySelector("[data-dock-region=right]")) return;
+    if (!isForgotten || !widths.size || !document.querySelector("[data-dock-region=right]")) return;
     isForgotten = false;
     const messages = [...widths].map(([uuid, width]) => (
       { type: "GuiSetPanelWidthMessage", uuid, width, counter: told++, run_id: "layout" }));
-    client.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+    viserClient.show(...messages);
   };
   const update = () => {
     const layout = !small.matches ? "wide" : flat.matches ? "flat" : "tall";

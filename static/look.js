@@ -33,7 +33,7 @@
   const kept = (name) => { try { return localStorage.getItem(`flockscope-${name}`); } catch { return null; } };
   const keep = (name, now) => { try { localStorage.setItem(`flockscope-${name}`, now); } catch { } };
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  let client = null, told = null;
+  let told = null;
 
   const now = (name) => root.getAttribute(`data-${name}`);
   const set = (name, chosen) => {
@@ -43,10 +43,7 @@
       buttons[name].title = words[name](chosen);
       buttons[name].setAttribute("aria-label", words[name](chosen));
     }
-    if (name === "theme" && client && told) {
-      const messages = [{ ...told }];
-      client.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages } }));
-    }
+    if (name === "theme" && told) viserClient.show({ ...told });
   };
   const next = (name) => {
     const among = choices[name];
@@ -62,24 +59,12 @@
     if (kept("theme") === null) set("theme", dark.matches ? "dark" : "light");
   });
 
-  const heard = (event) => {
-    const data = event.data;
-    if (!data || data.type !== "message_batch") return;
-    for (const message of data.messages) {
-      if (message.type === "RegisterCommandMessage") offerCamera(message.props);
-      if (message.type !== "ThemeConfigurationMessage") continue;
-      client = event.currentTarget;
-      message.dark_mode = now("theme") === "dark";
-      told = message;
-    }
-  };
-  const Worker = window.Worker;
-  window.Worker = class extends Worker {
-    constructor(...given) {
-      super(...given);
-      this.addEventListener("message", heard);
-    }
-  };
+  viserClient.onMessage((message) => {
+    if (message.type === "RegisterCommandMessage") offerCamera(message.props);
+    if (message.type !== "ThemeConfigurationMessage") return;
+    message.dark_mode = now("theme") === "dark";
+    told = message;
+  });
   window.addEventListener("keydown", (event) => {
     const held = event.shiftKey || event.ctrlKey || event.altKey || event.metaKey || event.repeat;
     const field = event.target.closest && event.target.closest("input, textarea, select");

@@ -117,22 +117,11 @@
 
   window.flockscopeTake = take;
 
-  const heard = (event) => {
-    const data = event.data;
-    if (!data || data.type !== "message_batch") return;
-    for (const message of data.messages) {
-      const text = message.type === "GuiHtmlMessage" && message.props && message.props.content;
-      const found = text && /data-fs-me="([\w-]+)"/.exec(text);
-      if (found) me = found[1];
-    }
-  };
-  const Worker = window.Worker;
-  window.Worker = class extends Worker {
-    constructor(...given) {
-      super(...given);
-      this.addEventListener("message", heard);
-    }
-  };
+  viserClient.onMessage((message) => {
+    const text = message.type === "GuiHtmlMessage" && message.props && message.props.content;
+    const found = text && /data-fs-me="([\w-]+)"/.exec(text);
+    if (found) me = found[1];
+  });
   document.addEventListener("DOMContentLoaded", () => {
     document.querySelector(".fs-open").append(button("", "Take", take));
   });

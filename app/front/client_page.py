@@ -29,6 +29,7 @@ DIGITS, BYTES = 5, 4
 """So many digits stand for so many bytes."""
 SCRIPTS = (
     "own-address.js",
+    "viser-client.js",
     "layout.js",
     "look.js",
     "connection.js",

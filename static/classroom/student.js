@@ -4,14 +4,7 @@
 {
   const home = location.pathname.replace(/\/(index\.html)?$/, "");
   const root = document.documentElement;
-  const Worker = window.Worker;
-  let client = null, moves = null;
-  window.Worker = class extends Worker {
-    constructor(...given) {
-      super(...given);
-      client = client || this;
-    }
-  };
+  let moves = null;
   const make = (kind, style) => {
     const made = document.createElement(kind);
     made.className = style;
@@ -48,7 +41,7 @@
     word.hidden = !told.word;
     ask(told);
     results.look(told.plot);
-    if (moves !== null && told.moves !== moves && client) client.postMessage({ type: "retry" });
+    if (moves !== null && told.moves !== moves) viserClient.reconnect();
     moves = told.moves;
   };
   /* The question, the value that one has to try, and a button that hands the run in as it is set up. */
