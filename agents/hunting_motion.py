@@ -71,7 +71,8 @@ class HuntingMotion(GatedMotion):
     ) -> Claims:
         """Who catches whom, of rows of hunters and of prey that came within `reach`, length.
 
-        Within a tick agents go straight on, by `step` (N, dim).
+        Within a tick agents go straight on, by `step` (N, dim). Nobody catches itself, where agents
+        of a kind chase each other.
         """
         size, images = self.world.size, self.world.images
         ahead = (
@@ -89,7 +90,7 @@ class HuntingMotion(GatedMotion):
         # The least distance on the straight way from before the tick to now.
         back = np.clip((now * moved).sum(axis=1) / np.where(length2 > 0.0, length2, 1.0), 0.0, 1.0)
         distance = np.linalg.norm(now - back[:, None] * moved, axis=1)
-        is_caught = distance <= reach
+        is_caught = (distance <= reach) & (hunter != other)
         hunter, other, distance = hunter[is_caught], other[is_caught], distance[is_caught]
         mine = nearest_claims(hunter, distance, self.ids[other])
         hunter, other, distance = hunter[mine], other[mine], distance[mine]

@@ -248,6 +248,21 @@ def test_a_hunter_that_runs_past_within_a_tick_catches():
     assert flock.catches.id.tolist() == [1]
 
 
+@pytest.mark.parametrize("caught", ["taken", "counted"])
+def test_a_hunter_of_its_own_kind_catches_another_and_never_itself(caught):
+    """Two within reach of each other catch each other; who is alone is caught by nobody."""
+    cannibal = Kind("shark", 3, v0=0.0, to={"shark": chase(0.0, 1.0, catch=0.2, caught=caught)})
+    spec = Spec("vem", seed=1, size=SIZE, parameters={"eta": 0.0}, kinds=[cannibal])
+    places = [[1.0, 1.0], [1.1, 1.0], [4.0, 4.0]]
+    flock = Flock(spec, start={"position": places, "heading": [[1.0, 0.0]] * 3})
+    flock.run(1)
+    assert sorted(zip(flock.catches.gate.tolist(), flock.catches.id.tolist(), strict=True)) == [
+        (1, 2),
+        (2, 1),
+    ]
+    assert flock.ids.tolist() == ([3] if caught == "taken" else [1, 2, 3])
+
+
 def test_a_flock_whose_prey_is_gone_says_so_and_runs_on():
     flock = meeting("taken")
     flock.position[:3] = [1.0, 1.0]
