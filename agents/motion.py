@@ -117,9 +117,18 @@ class Motion(FlockState):
         self.arrays = arrays
         if self._engine is not None:
             self._engine.arrays, self._engine.seed = arrays, self.seed
-        if self.options.is_windy:
+        if self.differing:
+            self._follow_own()
+        elif self.options.is_windy:
             self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
         self._make_past()
+
+    def _follow_own(self) -> None:
+        """Have the loop go by the agents' own numbers as they are now: by how far they notice each
+        other, and what is solid."""
+        self.context = self._make_context()
+        if self._engine is not None and self.sight > self._engine.surroundings.reach:
+            self._engine = None
 
     def _make_past(self) -> None:
         """Keep as much of the past as messages may tell of."""
@@ -480,13 +489,12 @@ class Motion(FlockState):
         else:
             self.arrays = self.arrays._replace(own=own)
             self._engine = None
-        self.context = self._make_context()
+        self._follow_own()
         if self.loop is not old_loop:
             self._end_tick()
             self._engine = None
         self._make_past()
-        is_near_sighted = self._engine is not None and self.sight > self._engine.surroundings.reach
-        if is_near_sighted or isinstance(self._engine, StripEngine):  # strides may be longer
+        if isinstance(self._engine, StripEngine):  # strides may be longer
             self._engine = None
 
     def change_world(self, world: World) -> None:

@@ -8,6 +8,7 @@ import pytest
 from agents import Flock, Member
 from agents.catalogue import MODELS
 from agents.engine import noise
+from agents.individuals import lognormal
 from agents.state.start import FIRST
 from worlds.compilation import DISABLED, plain_python
 from worlds.input_error import InputError
@@ -20,6 +21,7 @@ OTHERS = [
     {"model": "reynolds", "world": "thesis-blocks", "agents": 5},
     {"model": "couzin", "dim": 3, "spacing": 0.2},
     {"model": "vem-a", "informed": 3, "threads": 2},
+    {"model": "vem", "agents": 60, "size": 12.0, "r": lognormal(0.3, 0.6)},
 ]
 
 
@@ -31,6 +33,8 @@ def as_new(flock: Flock, new: Flock) -> None:
         assert np.array_equal(array, getattr(new.arrays, name), equal_nan=array.dtype == float), (
             name
         )
+    assert flock.context.reach == new.context.reach
+    assert flock.engine.surroundings.reach >= flock.sight
     assert (flock.time, flock.steps, flock.running) == (new.time, new.steps, new.running)
     assert flock.random.getstate() == new.random.getstate()
     assert flock.rng.bit_generator.state == new.rng.bit_generator.state
