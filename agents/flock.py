@@ -208,7 +208,7 @@ class Flock(TickClock, HuntingMotion):
         self.world = draw_obstacles(world, seed)
         self.tick = 0
         self.options = spec
-        self.individuals, self.redrawn = dict(spec.individuals), {}
+        self.individuals, self.redrawn, self.drawn = dict(spec.individuals), {}, {}
         self.kinds = kind_table(spec.kinds, spec.to)
         self.catches = Passages.none(self.world.dim)
         if start is None:
@@ -459,7 +459,8 @@ class Flock(TickClock, HuntingMotion):
         self._demand_kinds(kinds)
         self.kinds = kinds
         try:
-            own = self._own_of(self.ids, self.parameters, {}, self.individuals, self.arrays.kind)
+            kind = self.arrays.kind
+            own = self._own_of(self.ids, self.parameters, {}, self.individuals, kind, before)
         except InputError:
             self.kinds = before
             raise

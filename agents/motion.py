@@ -32,7 +32,7 @@ from agents.individuals import (
     normal,
     split_individuals,
 )
-from agents.kinds import KindTable
+from agents.kinds import NO_KINDS, KindTable
 from agents.models.declare import NumberParameter, Parameters, as_floats, checked, describe
 from agents.models.model import Model
 from agents.models.model_calls import call
@@ -94,9 +94,10 @@ class Motion(FlockState):
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
     redrawn: Mapping[str, int] = MappingProxyType({})
-    """How many of the agents' numbers were drawn again, by parameter."""
-    drawn = 0
-    """Of how many agents."""
+    """How many of the agents' numbers were drawn again, by parameter: `eta`, of the agents of a
+    kind `eta of shark`."""
+    drawn: Mapping[str, int] = MappingProxyType({})
+    """Of how many agents, by the same names."""
     _came_from: tuple[np.ndarray, np.ndarray] | None = None
     """Where agents were before the last tick, by identity; None where that is not known."""
 
@@ -280,11 +281,14 @@ class Motion(FlockState):
     def warning(self) -> str:
         """A warning about agents that go through what is solid, and about numbers that were drawn
         again; or an empty string."""
+        drawn_from: dict[str, Any] = dict(self.individuals)
+        for kind in self.kinds.kinds:
+            drawn_from |= {f"{name} of {kind.name}": one for name, one in kind.parameters.items()}
         warnings = [
-            f"{name} = {self.individuals[name]}: {counted(number, 'number')} of {self.drawn} drawn "
+            f"{name} = {drawn_from[name]}: {counted(number, 'number')} of {self.drawn[name]} drawn "
             "again, outside of the range of the parameter"
             for name, number in self.redrawn.items()
-            if name in self.individuals and number
+            if name in drawn_from and number
         ]
         warnings += [
             f"nobody of kind {name} is left"
@@ -367,7 +371,7 @@ class Motion(FlockState):
         remaining = {name: d for name, d in self.individuals.items() if name not in values}
         self.model.demand_individual(individuals)
         new = remaining | individuals
-        own = self._own_of(self.ids, parameters, individuals, new, self.arrays.kind)
+        own = self._own_of(self.ids, parameters, individuals, new, self.arrays.kind, self.kinds)
         for name in remaining:  # as they are: some may have been set by hand
             column = self.model.individual.index(name)
             own[:, column] = self.arrays.own[:, column]
@@ -393,31 +397,42 @@ class Motion(FlockState):
         drawn: Mapping[str, Distribution],
         individuals: Mapping[str, Distribution],
         kind: np.ndarray,
+        before: KindTable = NO_KINDS,
     ) -> np.ndarray:
         """The agents' own parameters (N, Q) of `model.individual`; (N, 0) where none differs.
 
         Those of `drawn` are drawn by identity, all others are shared, unless a kind has its own;
-        `kind` is the number of each agent's, (N,) or (0,). Raises InputError.
+        `kind` is the number of each agent's, (N,) or (0,). Kinds keep the numbers that the kinds
+        `before` had from the same distribution: some may have been set by hand. Raises InputError.
         """
         if not individuals and not self.kinds.kinds:
             return np.empty((len(ids), 0))
         numbers = [float(getattr(parameters, name)) for name in self.model.individual]
         own = np.tile(numbers, (len(ids), 1))
-        self.drawn = len(ids)
+
+        def draw(rows: np.ndarray, name: str, distribution: Distribution, title: str) -> None:
+            bounds = self._bounds(name)
+            column, redrawn = draw_values(distribution, self.seed, name, ids[rows], bounds)
+            own[rows, self.model.individual.index(name)] = column
+            self.redrawn = {**self.redrawn, title: redrawn}
+            self.drawn = {**self.drawn, title: len(rows)}
+
         for name, distribution in drawn.items():
-            if distribution.is_by_hand:
-                continue
-            column, redrawn = draw_values(distribution, self.seed, name, ids, self._bounds(name))
-            own[:, self.model.individual.index(name)] = column
-            self.redrawn = {**self.redrawn, name: redrawn}
+            rows = np.arange(len(ids))
+            if distribution.kind != "each":
+                rows = rows[~np.isin(kind, self.kinds.numbers_with(name))] if len(kind) else rows
+            if not distribution.is_by_hand:
+                draw(rows, name, distribution, name)
+        known = {one.name: one.parameters for one in before.kinds}
         for number, one in enumerate(self.kinds.kinds, 1):
             rows = np.flatnonzero(kind == number)
             for name, value in one.parameters.items():
-                distribution = value if isinstance(value, Distribution) else normal(value, 0.0)
-                column, _ = draw_values(
-                    distribution, self.seed, name, ids[rows], self._bounds(name)
-                )
-                own[rows, self.model.individual.index(name)] = column
+                if known.get(one.name, {}).get(name) == value:
+                    column = self.model.individual.index(name)
+                    own[rows, column] = self.arrays.own[rows, column]
+                elif len(rows):
+                    distribution = value if isinstance(value, Distribution) else normal(value, 0.0)
+                    draw(rows, name, distribution, f"{name} of {one.name}")
         return own
 
     def _bounds(self, name: str) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.individuals import normal
 from agents.kinds import Kind, chase, flee
+from agents.mesa_interface import Member
 from agents.spec import Spec
 from worlds.input_error import InputError
 from worlds.world import World
@@ -326,6 +327,43 @@ def test_a_kind_has_its_own_numbers_and_another_spread_of_all_leaves_them():
     flock.set_kind("shark", v0=0.07)
     assert (flock.own["v0"][sharks] == 0.07).all()
     assert (flock.own["v0"][prey] == 0.02).all()
+
+
+def test_numbers_of_a_kind_that_are_drawn_again_are_said():
+    kinds = [Kind("shark", 30, v0=0.05, eta=normal(0.1, 0.3))]
+    flock = Flock(Spec("vem", agents=40, seed=1, parameters={"eta": normal(0.1, 0.3)}, kinds=kinds))
+    sharks, prey = flock.redrawn["eta of shark"], flock.redrawn["eta"]
+    assert sharks > 0
+    assert prey > 0
+    assert (flock.own["eta"] >= 0.0).all()
+    said = "outside of the range of the parameter"
+    assert f"eta of shark = normal(0.1, 0.3): {sharks} numbers of 30 drawn again, {said}" in (
+        flock.warning
+    )
+    assert f"eta = normal(0.1, 0.3): {prey} numbers of 40 drawn again, {said}" in flock.warning
+    assert "v0" not in flock.warning
+    flock.set_kind("shark", eta=0.2)
+    assert "shark" not in flock.warning
+
+
+def test_numbers_of_a_kind_stay_as_they_were_set_by_hand_when_something_else_changes():
+    flock = hunt(agents=10)
+    sharks = flock.rows_of("shark")
+    flock.members[sharks[0]].v0 = 0.06
+    flock.relate("shark", "flock", chase(1.0, 1.0))
+    flock.set(v0=0.02)
+    flock.set_kind("shark", eta=0.1)
+    assert flock.own["v0"][sharks].tolist() == [0.06, 0.05, 0.05]
+    flock.set_kind("shark", v0=0.04)
+    assert flock.own["v0"][sharks].tolist() == [0.04] * 3
+
+
+def test_who_joins_a_flock_whose_kind_has_numbers_agent_by_agent_is_ordinary():
+    kinds = [Kind("shark", 2, v0=[0.04, 0.05])]
+    flock = Flock(Spec("vem", agents=3, seed=1, kinds=kinds))
+    Member(flock)
+    assert flock.kind_names[-1] == "flock"
+    assert flock.own["v0"][flock.rows_of("shark")].tolist() == [0.04, 0.05]
 
 
 def test_mesa_groups_and_selects_by_kind():
