@@ -13,6 +13,7 @@ import scipy  # its parts are imported when they are asked for
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays as drawn
+from numba.core.errors import LoweringError
 from oracles.scenes import unit_vectors
 
 from agents import Flock
@@ -20,6 +21,7 @@ from agents.catalogue import MODELS
 from agents.engine import vector_lanes
 from agents.engine.noise import cos_sin, exp, log, normal
 from agents.engine.pairs.pair_runner import PairEngine
+from agents.engine.pairs.term_sums import keep_sums
 from agents.engine.pairs.thread_barrier import STOP
 from agents.engine.runner import NotANumber
 from agents.engine.vector_lanes import WIDTH, exponent, load, mantissa, store, where
@@ -131,6 +133,92 @@ def test_lanes_are_changed_in_place_as_numbers_are():
     in_place(x, out)
     a, b = x[:WIDTH], x[WIDTH:]
     np.testing.assert_allclose(out, (a + b + a - 2.0 * b) * a / b, rtol=1e-14, atol=1e-14)
+
+
+@compiled
+def use_every_operator(x, y, i, j):
+    """What each operator gives of two numbers and of two whole numbers, as numbers."""
+    total = x
+    total += y
+    total *= 2.0
+    total -= x
+    total /= 4.0
+    square = x
+    square **= 2
+    is_all = is_any_of_them = is_odd = x < y
+    is_all &= y > 0.0
+    is_any_of_them |= y > 0.0
+    is_odd ^= y > 0.0
+    word = i
+    word ^= j
+    word >>= vector_lanes.as_unsigned(1)
+    word += i
+    word *= j
+    return (
+        where(x < y, 1.0, 0.0),
+        where(x <= y, 1.0, 0.0),
+        where(x > y, 1.0, 0.0),
+        where(x >= y, 1.0, 0.0),
+        where(x == y, 1.0, 0.0),
+        where(x != y, 1.0, 0.0),
+        where(x != 1.0, 1.0, 0.0),
+        where(y != 2, 1.0, 0.0),
+        where((x < y) == (y > 0.0), 1.0, 0.0),
+        where((x < y) != (y > 0.0), 1.0, 0.0),
+        where((x < y) ^ (y > 0.0), 1.0, 0.0),
+        where((x < y) & (y != 0.0), 1.0, 0.0),
+        where((x < y) | (y != 0.0), 1.0, 0.0),
+        where(not (x < y), 1.0, 0.0),
+        where(is_all, 1.0, 0.0),
+        where(is_any_of_them, 1.0, 0.0),
+        where(is_odd, 1.0, 0.0),
+        where(i == j, 1.0, 0.0),
+        where(i != j, 1.0, 0.0),
+        where(i != vector_lanes.as_unsigned(2), 1.0, 0.0),
+        total,
+        square,
+        x**2,
+        +x,
+        -x,
+        abs(x),
+        x + y,
+        x - y,
+        x * y,
+        x / (y * y + 1.0),
+        2 - x,
+        vector_lanes.as_float(word),
+        vector_lanes.as_float(i ^ j),
+        vector_lanes.as_float(i >> j),
+        vector_lanes.as_float(i + j),
+        vector_lanes.as_float(i * j),
+    )
+
+
+@numba.njit
+def use_operators_of_lanes(x, y, i, j, table):
+    keep_sums(table, use_every_operator(load(x, 0), load(y, 0), load(i, 0), load(j, 0)))
+
+
+few = drawn(float, WIDTH, elements=st.sampled_from([-2.0, -1.0, 0.0, 1.0, 2.0, math.nan]))
+words = drawn(np.uint64, WIDTH, elements=st.integers(0, 3))
+
+
+@given(few, few, words, words)
+def test_every_operator_of_lanes_is_that_of_numbers(x, y, i, j):
+    with np.errstate(invalid="ignore"):
+        expected = [use_every_operator.py_func(*four) for four in zip(x, y, i, j, strict=True)]
+    table = np.zeros((len(expected[0]), WIDTH))
+    use_operators_of_lanes(x, y, i, j, table)
+    np.testing.assert_array_equal(table.T, np.array(expected, float))
+
+
+def test_lanes_are_not_compared_by_identity():
+    @numba.njit
+    def identical(x, out):
+        store(out, 0, where((load(x, 0) < 1.0) is (load(x, 0) > 1.0), 1.0, 0.0))
+
+    with pytest.raises(LoweringError, match="`is` cannot compare eight agents at once"):
+        identical(np.zeros(WIDTH), np.zeros((1, WIDTH)))
 
 
 @pytest.mark.parametrize("function", [where, vector_lanes.as_unsigned, vector_lanes.as_float])

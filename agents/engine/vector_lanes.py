@@ -21,6 +21,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.datamodel import models
+from numba.core.errors import LoweringError
 from numba.core.extending import intrinsic, overload, register_model
 from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typeconv import Conversion
@@ -99,6 +100,10 @@ IN_PLACE: dict[Any, Any] = {
     operator.sub: operator.isub,
     operator.mul: operator.imul,
     operator.truediv: operator.itruediv,
+    operator.and_: operator.iand,
+    operator.or_: operator.ior,
+    operator.xor: operator.ixor,
+    operator.rshift: operator.irshift,
 }
 """numba does not fall back from `x += y` to `x = x + y` for types of ours."""
 
@@ -138,6 +143,7 @@ operation(operator.add, LANES, LANES, LANES)(lambda b, x, y: b.fadd(x, y, flags=
 operation(operator.sub, LANES, LANES, LANES)(lambda b, x, y: b.fsub(x, y, flags=FREE))
 operation(operator.truediv, LANES, LANES, LANES)(lambda b, x, y: b.fdiv(x, y, flags=FREE))
 operation(operator.neg, LANES, LANES)(lambda b, x: b.fneg(x, flags=FREE))
+operation(operator.pos, LANES, LANES)(lambda _, x: x)
 for comparison, sign in (
     (operator.lt, "<"),
     (operator.le, "<="),
@@ -148,12 +154,26 @@ for comparison, sign in (
     operation(comparison, TRUTHS, LANES, LANES)(
         lambda b, x, y, sign=sign: b.fcmp_ordered(sign, x, y, flags=FREE)
     )
+# Unordered: nan differs from everything.
+operation(operator.ne, TRUTHS, LANES, LANES)(lambda b, x, y: b.fcmp_unordered("!=", x, y))
+operation(operator.eq, TRUTHS, WORDS, WORDS)(lambda b, x, y: b.icmp_unsigned("==", x, y))
+operation(operator.ne, TRUTHS, WORDS, WORDS)(lambda b, x, y: b.icmp_unsigned("!=", x, y))
 operation(operator.and_, TRUTHS, TRUTHS, TRUTHS)(lambda b, x, y: b.and_(x, y))
 operation(operator.or_, TRUTHS, TRUTHS, TRUTHS)(lambda b, x, y: b.or_(x, y))
+operation(operator.xor, TRUTHS, TRUTHS, TRUTHS)(lambda b, x, y: b.xor(x, y))
+operation(operator.not_, TRUTHS, TRUTHS)(lambda b, x: b.not_(x))
 operation(operator.xor, WORDS, WORDS, WORDS)(lambda b, x, y: b.xor(x, y))
 operation(operator.add, WORDS, WORDS, WORDS)(lambda b, x, y: b.add(x, y))
 operation(operator.mul, WORDS, WORDS, WORDS)(lambda b, x, y: b.mul(x, y))
 operation(operator.rshift, WORDS, WORDS, WORDS)(lambda b, x, y: b.lshr(x, y))
+
+
+@lower_builtin(operator.is_, Eight, types.Any)
+@lower_builtin(operator.is_, types.Any, Eight)
+@lower_builtin(operator.is_, Eight, Eight)
+def refuse_identity(context, builder, sig, values):  # noqa: ARG001
+    """numba has one answer to `is`, not eight."""
+    raise LoweringError("`is` cannot compare eight agents at once: use == or !=")
 
 
 @operation(operator.mul, LANES, TRUTHS, LANES)
@@ -184,6 +204,7 @@ operation(math.radians, LANES, LANES)(
     lambda b, x: b.fmul(x, ir.Constant(x.type, [math.pi / 180.0] * WIDTH), flags=FREE)
 )
 operation(math.fabs, LANES, LANES)(llvm_builder("fabs"))
+operation(abs, LANES, LANES)(llvm_builder("fabs"))
 for function in (math.exp, math.log, math.sin, math.cos):
     operation(function, LANES, LANES)(llvm_builder(function.__name__))
 operation(min, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered("<", y, x), y, x))
@@ -191,6 +212,7 @@ operation(max, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered(">",
 
 
 @overload(operator.pow)
+@overload(operator.ipow)
 def square_of_lanes(value, power):
     """`x ** 2`, the one power that lanes have."""
     is_square = isinstance(power, types.IntegerLiteral) and power.literal_value == 2
