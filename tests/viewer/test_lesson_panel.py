@@ -176,6 +176,72 @@ def open_scene(laboratory: Laboratory, scene: SavedScene) -> None:
         pass  # its controls are made by now
 
 
+OTHER = scene_text(RUN.replace("agents = 20", "agents = 15"))
+"""A lesson whose flock is another one than that of `laboratory`."""
+
+
+def test_cameras_are_pointed_at_the_scene_on_which_it_opens(laboratory):
+    until(lambda: laboratory.pointing is None, COMPILED, "the first frame")
+
+
+def open_at_rest(laboratory: Laboratory) -> None:
+    """Open a scene, and wait until nothing more is to come of it."""
+    laboratory.open(SavedScene.from_toml(scene_text(RUN), "a.toml"))
+    until(lambda: laboratory.pointing is None, COMPILED, "its first frame")
+
+
+def test_a_lesson_stays_though_the_page_is_refreshed_while_it_is_opened(laboratory):
+    open_at_rest(laboratory)
+    scene = SavedScene.from_toml(OTHER, "other.toml")
+    follow = laboratory.setup.follow
+
+    def held(*arguments):
+        for _ in range(2):
+            refreshed(laboratory)  # as when a browser comes, amid the opening
+        follow(*arguments)
+
+    laboratory.setup.follow = held
+    laboratory.open(scene)
+    until(lambda: laboratory.simulation.state.spec is scene.spec, COMPILED, "its flock")
+    refreshed(laboratory)
+    assert laboratory.told_scene() is scene
+    assert laboratory.lesson.scene is scene
+    assert laboratory.lesson.folder.visible
+
+
+def test_a_lesson_stays_that_is_opened_while_another_flock_is_built(laboratory):
+    open_at_rest(laboratory)
+    simulation = laboratory.simulation
+    first, scene = (SavedScene.from_toml(text, "a.toml") for text in (scene_text(RUN), OTHER))
+    is_building, may_build, may_obey = (threading.Event() for _ in range(3))
+    build, obey = simulation.building.flock, simulation.carry_out_commands
+
+    def held_build(*arguments):
+        simulation.building.flock = build
+        is_building.set()
+        assert may_build.wait(COMPILED)
+        return build(*arguments)
+
+    def held_obey():
+        assert may_obey.wait(COMPILED)
+        obey()
+
+    simulation.building.flock = held_build
+    laboratory.open(first)
+    assert is_building.wait(COMPILED)
+    laboratory.open(scene)
+    simulation.carry_out_commands = held_obey
+    may_build.set()
+    until(lambda: simulation.state.spec is first.spec, COMPILED, "the flock of the first")
+    for _ in range(3):
+        refreshed(laboratory)
+    assert laboratory.lesson.scene is scene
+    may_obey.set()
+    until(lambda: simulation.state.spec is scene.spec, COMPILED, "the flock of the second")
+    refreshed(laboratory)
+    assert laboratory.lesson.scene is scene
+
+
 def lead(laboratory: Laboratory, step: int, **choices: int) -> None:
     """Lead the laboratory to a step of its lesson, 0 for no more; `_2=1`: predicted before."""
     made = {int(name[1:]): choice for name, choice in choices.items()}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import threading
 import time
 from concurrent.futures import Future
 from dataclasses import replace
@@ -154,8 +156,12 @@ class Laboratory:
         self.contents: dict[str, str] = {}
         """What the monitors show, by block."""
         self.between = FrameInterpolator()
-        self.pointing: tuple[int, str] | None = None
-        """After which run, and to what, all cameras are to be pointed."""
+        self.pointing: tuple[float, str] | None = None
+        """After which run, and to what, all cameras are to be pointed; after run infinity: what is
+        to come still waits to be set up."""
+        self.choosing = threading.Lock()
+        """Held while another scene becomes the one that is shown, or none does: the thread that
+        draws drops one that neither runs nor is to come."""
         self.charted: tuple[int, StoredTracks] | None = None
         """After which run charts are to show what tells most of tracks, and of which."""
         self.waits = running and waits
@@ -181,6 +187,7 @@ class Laboratory:
         self.take_uploads()
         if scene is not None:
             self.look_at(scene)
+            self.pointing = 0, scene.camera  # its run is the first
         elif isinstance(opened, StoredTracks):
             self.charted = -1, opened
         self.drawing = Drawing(
@@ -381,14 +388,36 @@ class Laboratory:
             self.shown_scene = None
             self.setup.follow(opened.spec, None)
             self.scene.open_on("")
-            self.pointing = self.simulation.state.run, ""
-            self.simulation.open(opened)
+            expected = self.expect_run("")
+            self.point_after(self.simulation.open(opened), expected)
         else:
-            self.shown_scene = opened
+            with self.choosing:
+                expected = self.expect_run(opened.camera)
+                self.shown_scene = opened
             self.setup.follow(opened.spec, opened.beside)
             self.look_at(opened)
-            self.simulation.setup(opened.spec, opened.beside)
+            self.point_after(self.simulation.setup(opened.spec, opened.beside), expected)
         self.simulation.go()
+
+    def expect_run(self, camera: str) -> tuple[float, str]:
+        """Have cameras pointed once a run is there that is yet to be asked for; what is expected,
+        for `point_after`."""
+        self.pointing = expected = (math.inf, camera)
+        return expected
+
+    def point_after(self, asked: Future, expected: tuple[float, str]) -> None:
+        """Once a set-up is next, point cameras at the run after the one that is there then.
+
+        Until then another one may be built, which was asked for before.
+        """
+
+        def note(done: Future) -> None:
+            if self.pointing is not expected:
+                return  # something else was opened since
+            refused = done.exception() is not None
+            self.pointing = None if refused else (self.simulation.state.run, expected[1])
+
+        asked.add_done_callback(note)
 
     def open_tracks(self, stored: StoredTracks, is_new: bool) -> None:
         """Play tracks in all browsers, or others of them, with a model or without. Raises
@@ -400,13 +429,16 @@ class Laboratory:
         self.select(None)
         self.shown_scene = None
         self.charted = self.simulation.state.run, stored
+        expected = None
         if is_new:
             self.run.pace(stored.speed, is_exact=True)
             self.scene.open_on("")
-            self.pointing = self.simulation.state.run, ""
+            expected = self.expect_run("")
         elif stored.start is None or not stored.start.is_over:
-            self.pointing = self.simulation.state.run, ""
-        self.simulation.open(stored)
+            expected = self.expect_run("")
+        asked = self.simulation.open(stored)
+        if expected is not None:
+            self.point_after(asked, expected)
         self.simulation.go()
 
     def shown_tick(self) -> int:
@@ -438,7 +470,6 @@ class Laboratory:
         self.view.take(scene.look)
         self.plots.asked = MODELS[scene.spec.model], scene.plots
         self.scene.open_on(scene.camera)
-        self.pointing = self.simulation.state.run, scene.camera
 
     def take_steps(self, scene: SavedScene) -> None:
         """Show the lesson of a scene that is what runs, with other steps."""
@@ -498,9 +529,10 @@ class Laboratory:
         same = scene.spec.world == state.spec.world and state.spec.agents in agents
         if same and (scene.spec.model, scene.beside and scene.beside.model) == state.models:
             return scene
-        if self.pointing is None:
-            self.shown_scene = None
-            self.scene.open_on("")
+        with self.choosing:  # else a scene that is opened just now would be dropped with this one
+            if self.pointing is None and self.shown_scene is scene:
+                self.shown_scene = None
+                self.scene.open_on("")
         return None
 
     async def guide_clicked(self, event: viser.GuiEvent) -> None:
