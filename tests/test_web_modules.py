@@ -83,6 +83,7 @@ def test_what_others_may_write_to_is_not_read(compiled_modules, tmp_path):
     assert len(compiled_modules) == 2
 
 
+@pytest.mark.long  # compiles two modules anew, each time
 def test_flocks_that_differ_by_seed_number_and_values_share_a_module(compiled_modules):
     one = web_program(Flock("vem", agents=5, rng=1))
     AT_HAND.clear()
