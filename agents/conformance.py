@@ -16,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.flock import Flock
+from agents.kinds import Kind
 from agents.models.declare import NumberParameter, declared
 from agents.models.model import Model
 from agents.models.model_calls import ModelCodeError
@@ -64,9 +65,17 @@ class ConformanceResult:
     reason: str = ""
 
 
+def known_kinds(model: Model) -> list[Kind]:
+    """Some agents of each kind that a model's rule knows, a third of a crowd."""
+    known = model.rule.kinds
+    return [Kind(name, max(1, AGENTS // 3 // len(known))) for name in known]
+
+
 def flock_at_home(model: Model, **options: Any) -> Flock:
-    """A small flock of a model in the model's own world."""
-    return Flock(model.name, **{"agents": AGENTS, "rng": 7, **options})
+    """A small flock of a model in the model's own world; with some of each kind that its rule
+    knows, if it is of more than one."""
+    kinds = known_kinds(model) if options.get("agents") != 1 else []
+    return Flock(model.name, kinds=kinds, **{"agents": AGENTS, "rng": 7, **options})
 
 
 def empty_space(model: Model, dim: int | None = None) -> World:
@@ -114,9 +123,10 @@ def noiseless_settings(model: Model) -> dict[str, float]:
 def flock_in_empty_space(
     model: Model, start: dict[str, np.ndarray] | None = None, **options: Any
 ) -> Flock:
-    """A flock in empty space, by default the crowd."""
+    """A flock in empty space, by default the crowd, of all kinds that the model's rule knows."""
     start = crowd(model) if start is None else start
-    return Flock(model.name, start=start, world=empty_space(model), **{"rng": 7, **options})
+    options = {"rng": 7, "kinds": known_kinds(model), **options}
+    return Flock(model.name, start=start, world=empty_space(model), **options)
 
 
 def demand_same(flock: Flock, other: Flock, finding: str) -> None:
@@ -280,7 +290,10 @@ def other_dimensions(model: Model) -> None:
         world, start = empty_space(model, dim), crowd(model, dim)
         # A loop for another number of dimensions takes long to compile.
         at_hand = dim == flock_at_home(model, agents=1).world.dim
-        flock = Flock(model.name, start=start, world=world, rng=7, interpret=not at_hand)
+        kinds = known_kinds(model)
+        flock = Flock(
+            model.name, start=start, world=world, rng=7, kinds=kinds, interpret=not at_hand
+        )
         flock.run(2)
         demand_sound(flock, f"in {dim}-D")
 

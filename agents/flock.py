@@ -152,9 +152,6 @@ class Flock(TickClock, HuntingMotion):
             spec_request = spec_request.but(
                 kinds=kinds or spec_request.kinds, to=to or spec_request.to
             )
-        self._member_types = member_types(
-            members or {}, kind_table(spec_request.kinds, spec_request.to)
-        )
         if spec_request.start == "given" and start is None:
             raise InputError(
                 "start = 'given' in the spec: a run from given arrays begins again only from its "
@@ -163,6 +160,7 @@ class Flock(TickClock, HuntingMotion):
         self.model = catalogue.model(spec_request.model)
         self.threads = whole_number("threads", threads, 1, MOST_THREADS)
         spec = complete_spec(spec_request, self.model)
+        self._member_types = member_types(members or {}, kind_table(spec.kinds, spec.to))
         demand_memory_for(self.model, spec.count, self.threads)
         self.interpret = interpret
         self.ranks = checked_ranks(ranks)

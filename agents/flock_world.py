@@ -5,6 +5,7 @@ from __future__ import annotations
 import secrets
 from typing import Any
 
+from agents.kinds import complete_kinds
 from agents.models.model import Model
 from agents.spec import CompleteSpec, Options, Spec
 from worlds.generators import draw_obstacles
@@ -20,9 +21,9 @@ LARGEST_DRAWN = 2**31
 def complete_spec(spec: Spec, model: Model) -> CompleteSpec:
     """The run with what its model and its world have of their own, where nothing is asked for.
 
-    A kind of noise that is part of the rule's definition is that of the run. A seed is drawn where
-    there is none; a size that is not given stays None. Raises InputError for a world that cannot be
-    read.
+    A kind of noise that is part of the rule's definition is that of the run, and kinds of agents
+    that the rule knows are there. A seed is drawn where there is none; a size that is not given
+    stays None. Raises InputError for a world that cannot be read.
     """
     world = model.world if spec.world is None else spec.world
     if isinstance(world, World):
@@ -40,6 +41,9 @@ def complete_spec(spec: Spec, model: Model) -> CompleteSpec:
     if model.rule.noise:
         choices["noise"] = model.rule.noise
     seed = secrets.randbelow(LARGEST_DRAWN) if spec.seed is None else spec.seed
+    if model.rule.kinds:
+        table = complete_kinds(model.rule.kinds, spec.kinds, spec.to)
+        choices |= {"kinds": table.kinds, "to": table.to}
     return CompleteSpec(**{**dict(spec), "world": world, "dim": dim, "seed": seed, **choices})
 
 

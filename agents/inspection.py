@@ -94,6 +94,7 @@ def as_me(flock: FlockState, row: int, signals: np.ndarray) -> Me:
         flock.tick,
         key,
         len(flock.ids),
+        float(flock.kind_numbers[row]),
     )
 
 
@@ -112,8 +113,9 @@ def as_near(
     heard = sent[signal_count - 1] if flock.model.body.deafens else np.ones(len(rows))
     px, py = np.ascontiguousarray(points.T)
     speed, spare = flock.speed[rows], np.zeros((4, max(len(rows), len(points))))
+    kind = flock.kind_numbers[rows].astype(float)
     return NeighbourBlock(
-        len(rows), x, y, z, ux, uy, uz, speed, sent, heard, len(points), px, py, spare
+        len(rows), x, y, z, ux, uy, uz, speed, sent, heard, len(points), px, py, spare, kind
     )
 
 

@@ -146,6 +146,7 @@ class Kind:
 
     name: str
     agents: int
+    """How many there are at the start; 0 of one that is there by its number and relations alone."""
     parameters: dict[str, Any] = field(default_factory=dict)
     """Its own numbers, or distributions, of parameters of the rule and the body."""
     start: tuple[tuple[float, ...], tuple[float, ...]] | None = None
@@ -178,9 +179,9 @@ class Kind:
                 f"not one of {', '.join((ORDINARY, ALL, *ALIASES))} is needed"
             )
         is_count = isinstance(agents, int | np.integer) and not isinstance(agents, bool)
-        if not is_count or agents < 1:
+        if not is_count or agents < 0:
             raise InputError(
-                f"kind {name}: agents = {shorten(agents)} is not allowed: a whole number >= 1 is "
+                f"kind {name}: agents = {shorten(agents)} is not allowed: a whole number >= 0 is "
                 "needed"
             )
         if colour and not re.fullmatch(r"#[0-9a-fA-F]{6}", str(colour)):
@@ -269,13 +270,18 @@ def as_kinds(value: Any) -> tuple[Kind, ...]:
     if isinstance(value, str | Mapping) or not isinstance(value, Sequence):
         raise InputError(f"kinds = {shorten(value)} is not allowed: a list of kinds is needed")
     kinds = tuple(as_kind(one) for one in value)
-    if len(kinds) > MOST_KINDS:
-        raise InputError(f"{len(kinds)} kinds are not allowed: {MOST_KINDS} at most")
+    demand_number(len(kinds))
     names = [kind.name for kind in kinds]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"two kinds are called {name}")
     return kinds
+
+
+def demand_number(kinds: int) -> None:
+    """Raise InputError for more kinds than a flock can have."""
+    if kinds > MOST_KINDS:
+        raise InputError(f"{kinds} kinds are not allowed: {MOST_KINDS} at most")
 
 
 @dataclass(frozen=True)
@@ -399,6 +405,30 @@ def kind_table(kinds: tuple[Kind, ...], to: Mapping[str, Relation]) -> KindTable
             back = replace(relation, deed="flee", catch=0.0, caught="taken", first=False)
             relations.setdefault((other, name), back)
     return KindTable(kinds, relations, dict(to))
+
+
+def complete_kinds(
+    known: tuple[str, ...], kinds: tuple[Kind, ...], to: Mapping[str, Relation]
+) -> KindTable:
+    """The kinds of a flock whose rule knows some kinds by name, `agents.models.declare.Rule.kinds`.
+
+    Those come first, in the rule's order, so that their numbers are 1, 2, ...; one that nobody asks
+    for has no agents. They and the ordinary agents are neighbours, where no relation says
+    otherwise. Raises InputError.
+
+    >>> table = complete_kinds(("wolf",), (Kind("dog", 2),), {})
+    >>> table.names, table.of("flock", "wolf").deed, table.of("flock", "dog").deed
+    (('flock', 'wolf', 'dog'), 'own', 'ignore')
+    """
+    by_name = {kind.name: kind for kind in kinds}
+    first = [by_name.pop(name, Kind(name, 0)) for name in known]
+    table = kind_table((*first, *by_name.values()), to)
+    demand_number(len(table.kinds))
+    pairs = [(name, other) for name in (ORDINARY, *known) for other in (ORDINARY, *known)]
+    for name, other in pairs if known else []:
+        if name != other and (name, other) not in table.relations:
+            table = table.with_relation(name, other, "own")
+    return table
 
 
 NO_KINDS = KindTable((), {})

@@ -290,10 +290,11 @@ class Motion(FlockState):
             for name, number in self.redrawn.items()
             if name in drawn_from and number
         ]
+        never = {kind.name for kind in self.kinds.kinds if not kind.agents}
         warnings += [
             f"nobody of kind {name} is left"
             for name in self.kinds.names
-            if self.kinds.catchers and not len(self.rows_of(name))
+            if self.kinds.catchers and name not in never and not len(self.rows_of(name))
         ]
         if self.passing:
             warnings.insert(
@@ -698,6 +699,12 @@ def demand_kinds(model: Model, parameters: Parameters, kinds: KindTable) -> None
     """Raise InputError for kinds that flocks of a model with these parameters cannot have."""
     if kinds.kinds and model.nearest(parameters):
         raise InputError(NOT_NEAREST)
+    known = model.rule.kinds
+    if kinds.kinds and kinds.names[1 : 1 + len(known)] != known:
+        raise InputError(
+            f"kinds {', '.join(kinds.names[1:])} are not allowed: those that {model.name} knows "
+            f"come first, {', '.join(known)}"
+        )
     for kind in kinds.kinds:
         try:
             numbers = split_individuals(kind.parameters)[0]

@@ -123,6 +123,8 @@ def facts(model: Model) -> list[tuple[str, str]]:
     informed = {0: "none", 1: "one"}.get(rule.informed, str(rule.informed))
     made.append(("Information agents", f"{informed} by default" if rule.led else "none"))
     starts = f"; {model.dim}-D unless told otherwise" if model.dim else ""
+    if rule.kinds:
+        made.append(("Kinds that it knows", listed(rule.kinds)))
     made.append(("Dimensions", " and ".join(f"{d}-D" for d in rule.dimensions) + starts))
     if model.spacing is not None:
         made.append(("At the start", f"at least {model.spacing:g} from each other and all else"))

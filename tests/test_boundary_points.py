@@ -183,7 +183,7 @@ def around(points):
     """An agent at the origin and boundary points, as compiled code has them."""
     points = np.array(points, float).reshape(-1, 2)
     none, key = np.zeros(0), np.uint64(0)
-    me = Me(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, none, np.zeros(10), False, 1.0, 1, 0, key, 1)
+    me = Me(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, none, np.zeros(10), False, 1.0, 1, 0, key, 1, 0.0)
     x, y = points.T.copy()
     return me, PointBlock(len(x), x, y, np.empty((4, len(x))))
 

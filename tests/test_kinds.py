@@ -395,7 +395,7 @@ def test_each_follows_from_its_seed_and_identity_alone():
         ({"kinds": [{"agents": 2}]}, "a kind has no name"),
         ({"kinds": [Kind("a", 1), Kind("a", 1)]}, "two kinds are called a"),
         ({"kinds": [{"name": "flock"}]}, "kind 'flock' is not allowed"),
-        ({"kinds": [{"name": "a", "agents": 0}]}, "kind a: agents = 0 is not allowed"),
+        ({"kinds": [{"name": "a", "agents": -1}]}, "kind a: agents = -1 is not allowed"),
         ({"kinds": [{"name": "a", "colour": "red"}]}, "colour = 'red' of kind a is not #rrggbb"),
         ({"kinds": [{"name": "a", "hunts": 1}]}, "unknown key of a kind 'hunts'"),
         ({"kinds": [Kind("a", 1, v0=99.0)]}, r"kind a: v0 = 99\.0 .* is outside"),

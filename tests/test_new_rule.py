@@ -10,15 +10,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.calling import refusal
+from cli.calling import call, refusal
 
 from agents import Flock, catalogue
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS, Model
 from agents.conformance import outcome
+from agents.kinds import Kind
 from worlds.input_error import InputError
 
 PAGE = Path(__file__).parents[1] / "docs" / "new-rule.md"
+ANOTHER = "## Kinds that a rule knows"
+"""The heading below which the page has another rule."""
 
 
 @pytest.fixture
@@ -98,7 +101,8 @@ def test_the_fault_that_the_page_prints_is_what_a_typing_error_gives(tmp_path, m
 
 
 def test_the_short_form_on_the_page_is_the_same_rule(tmp_path, monkeypatch):
-    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    page = PAGE.read_text(encoding="utf-8").partition(ANOTHER)[0]
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     path = tmp_path / "both.py"
     path.write_text("\n".join(blocks))
     names: dict = {"__name__": "both"}
@@ -115,7 +119,8 @@ def test_the_short_form_on_the_page_is_the_same_rule(tmp_path, monkeypatch):
 
 def test_the_three_ways_to_write_it_do_the_same(tmp_path, monkeypatch):
     """Written out, as a weight, and as the term of a pair."""
-    code = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    page = PAGE.read_text(encoding="utf-8").partition(ANOTHER)[0]
+    code = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     (tmp_path / "ways.py").write_text("\n".join(code))
     monkeypatch.syspath_prepend(str(tmp_path))
     ways = importlib.import_module("ways")
@@ -127,3 +132,20 @@ def test_the_three_ways_to_write_it_do_the_same(tmp_path, monkeypatch):
     assert [flock.of_pairs for flock in flocks] == [False, False, True]
     for flock in flocks[1:]:
         assert np.allclose(flock.heading, flocks[0].heading, atol=1e-9)
+
+
+def test_the_herd_of_the_page_runs_and_flees_from_its_wolf(tmp_path):
+    page = PAGE.read_text(encoding="utf-8").partition(ANOTHER)[2]
+    path = tmp_path / "herd.py"
+    path.write_text(re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1))
+    try:
+        done = call("run", path, "--agents", 20, "--kind", "wolf=2", "--ticks", 20)
+        assert "2 of kind wolf" in done.stdout, done.stderr
+        assert "its rule knows: wolf" in call("list", "kinds", "--rule", path).stdout
+        assert "(--kind NAME=NUMBER): wolf" in call("list", path).stdout
+        start = {"position": [[1.0, 1.0], [1.5, 1.0]], "heading": [[0.0, 1.0], [0.0, 1.0]]}
+        flock = Flock("herd", start=start, size=9.0, rng=1, eta=0.0, kinds=[Kind("wolf", 1)])
+        flock.run(1)
+        assert np.allclose(flock.heading, np.array([[-2.0, 1.0], [-2.0, 1.0]]) / np.sqrt(5.0))
+    finally:
+        MODELS.pop("herd", None)

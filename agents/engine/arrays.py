@@ -114,7 +114,8 @@ class Workspace(NamedTuple):
     signals: np.ndarray
     """The block's signals, (K, capacity)."""
     close: np.ndarray
-    """Those of the block within reach of one agent: positions, headings, speeds; (7, capacity)."""
+    """Those of the block within reach of one agent: positions, headings, speeds, kinds; (8,
+    capacity)."""
     close_signals: np.ndarray
     """Their signals, (K, capacity)."""
     apart: np.ndarray
@@ -146,7 +147,7 @@ def empty_workspace(
     return Workspace(
         np.zeros((11 + 1, capacity)),
         np.zeros((signals + 1, capacity)),
-        np.zeros((7 + 1, capacity)),
+        np.zeros((8 + 1, capacity)),
         np.zeros((signals + 1, capacity)),
         np.zeros(capacity),
         np.zeros(capacity, index_type(capacity)),

@@ -41,6 +41,9 @@ class Me(NamedTuple):
     key: int
     """Key of this tick's random numbers; see `agents.engine.noise.uniform`."""
     flock_size: int
+    kind: float
+    """The number of its kind: 0.0 of an ordinary agent, then those that its rule declares from 1.0
+    on, then other kinds of the flock."""
 
 
 class NeighbourBlock(NamedTuple):
@@ -67,6 +70,8 @@ class NeighbourBlock(NamedTuple):
     point_y: np.ndarray
     spare: np.ndarray
     """A place for the rule's own working, four rows, each at least as long as n and points."""
+    kind: np.ndarray
+    """The number of each agent's kind, as `Me.kind`."""
 
 
 class PointBlock(NamedTuple):
@@ -95,6 +100,8 @@ class OtherAgent(NamedTuple):
     speed: float
     heard: bool
     """Whether its heading counts: it does not where it is busy avoiding an obstacle."""
+    kind: float
+    """The number of its kind, as `Me.kind`."""
 
 
 class Decision(NamedTuple):
@@ -145,8 +152,18 @@ def neighbour_of(me, near, j):
     dy = near.y[j] - me.y
     dz = near.z[j] - me.z
     d2 = dx * dx + dy * dy + dz * dz
-    heard = near.heard[j] > 0.0
-    return OtherAgent(dx, dy, dz, d2, near.ux[j], near.uy[j], near.uz[j], near.speed[j], heard)
+    return OtherAgent(
+        dx,
+        dy,
+        dz,
+        d2,
+        near.ux[j],
+        near.uy[j],
+        near.uz[j],
+        near.speed[j],
+        near.heard[j] > 0.0,
+        near.kind[j],
+    )
 
 
 @compiled

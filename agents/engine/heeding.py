@@ -89,6 +89,7 @@ def hide(other, is_own):
         other.uz,
         other.speed,
         True,
+        other.kind,
     )
 
 

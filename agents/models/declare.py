@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
+from agents.kinds import Kind, as_kinds
 from agents.models.slider_range import Range, demand_proposed, range_around
 from agents.models.tries import LessonStep
 from worlds.compilation import LoopDispatcher
@@ -299,6 +300,9 @@ class Rule:
     """Points in that memory, NAME_x and NAME_y of each; an agent heads for the last of them."""
     places_while: str = ""
     """Which of the memory is 1.0 while these points count."""
+    kinds: tuple[str, ...] = ()
+    """The kinds of agents that it knows: those of `me.kind` 1, 2, ... in this order, 0 being an
+    ordinary agent. A flock has them, with agents or without."""
     hunters: str = ""
     """The signal that is 1.0 for agents that hunt the others."""
     perceive: Callable | None = None
@@ -346,7 +350,14 @@ class Rule:
     plane."""
 
     def __post_init__(self) -> None:
-        demand_compiled(f"rule {self.name!r}", self, OF_RULES)
+        title = f"rule {self.name!r}"
+        demand_compiled(title, self, OF_RULES)
+        if not isinstance(self.kinds, tuple):
+            raise TypeError(f"{title}: kinds = {self.kinds!r} is no tuple of names")
+        try:
+            as_kinds([Kind(name, 0) for name in self.kinds])
+        except InputError as error:
+            raise TypeError(f"{title}: {error}") from None
 
 
 @dataclass(frozen=True)

@@ -56,10 +56,25 @@ def sum_drag_savings(position, heading, size, images, b, block, none, out):
                     offset -= size[axis] * math.floor(offset / size[axis] + 0.5)
                 block[axis, j] = position[axis, i] + offset
         me = Me(
-            x[i], y[i], z[i], ux[i], uy[i], uz[i], 0.0, none[0], none[0], False, 1.0, i, 0, 0, n
+            x[i],
+            y[i],
+            z[i],
+            ux[i],
+            uy[i],
+            uz[i],
+            0.0,
+            none[0],
+            none[0],
+            False,
+            1.0,
+            i,
+            0,
+            0,
+            n,
+            0.0,
         )
         near = NeighbourBlock(
-            n, block[0], block[1], block[2], ux, uy, uz, no, none, no, 0, no, no, sums
+            n, block[0], block[1], block[2], ux, uy, uz, no, none, no, 0, no, no, sums, no
         )
         out[i] = drag_saving_within(me, near, b, WITHIN * b)
 

@@ -148,6 +148,7 @@ def model(name: str) -> Thing:
         {key: getattr(parameter, key) for key in OF_PARAMETERS}
         for parameter in declared(model.parameters)
     ]
+    row["kinds"] = list(model.rule.kinds)
     row["related"] = [other.name for other in related_models(model, list(MODELS.values()))]
     row["tries"] = [
         {
@@ -244,6 +245,9 @@ def describe_model(thing: Thing) -> list[str]:
     lines = wrap_text(f"{thing['name']}: {thing['title']} ({dimensions}; at home: {home})")
     lines += wrap_text(thing["summary"], 2)
     lines += wrap_text(f"It wishes {ARTICLES[thing['wish']]}. Source: {thing['source']}", 2)
+    if thing["kinds"]:
+        knows = ", ".join(thing["kinds"])
+        lines += wrap_text(f"It knows kinds of agents (--kind NAME=NUMBER): {knows}", 2)
     lines.append("parameters (--set NAME=VALUE):")
     for row in thing["parameters"]:
         lines += describe_value(row)

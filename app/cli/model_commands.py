@@ -89,6 +89,7 @@ def list_differences() -> list[dict[str, Any]]:
             "kinds": "yes, where all within reach are neighbours"
             if "neighbours" in model.parameters.model_fields
             else "yes",
+            "known": list(model.rule.kinds),
             "individual": list(model.individual),
             "shared": model.shared,
         }
@@ -101,6 +102,8 @@ def describe_differences(models: list[dict[str, Any]]) -> list[str]:
     lines = []
     for row in models:
         lines.append(f"{row['model']:22} kinds: {row['kinds']}")
+        if row["known"]:
+            lines.append(f"{'':22} its rule knows: {', '.join(row['known'])}")
         by_reason: dict[str, list[str]] = {}
         for name, reason in row["shared"].items():
             by_reason.setdefault(reason, []).append(name)

@@ -26,10 +26,10 @@ def close_up(flock, row):
         flock.tick,
         np.uint64(0),
         n,
+        float(flock.kind_numbers[row]),
     )
     surroundings = flock.engine.surroundings
     away = np.hypot(surroundings.point_x - q[0, row], surroundings.point_y - q[1, row])
     x, y = surroundings.point_x[away <= flock.reach], surroundings.point_y[away <= flock.reach]
-    return me, NeighbourBlock(
-        n, *q, *u, flock.speed, told, np.ones(n), len(x), x, y, np.empty((4, n + len(x)))
-    )
+    spare, kind = np.empty((4, n + len(x))), flock.kind_numbers.astype(float)
+    return me, NeighbourBlock(n, *q, *u, flock.speed, told, np.ones(n), len(x), x, y, spare, kind)

@@ -176,7 +176,7 @@ def empty_block():
     """The agents around, for bodies that do not look at them."""
     none: Any = zeros()
     return NeighbourBlock(
-        0, none, none, none, none, none, none, none, none, ones(), 0, none, none, none
+        0, none, none, none, none, none, none, none, none, ones(), 0, none, none, none, none
     )
 
 
@@ -214,7 +214,8 @@ def met(slots, j, place, space, grid, lone):
     d2 = dx * dx + dy * dy + dz * dz
     uz = slots.uz[j] if DIM == 3 else 0.0
     speed = slots.speed[j] if ASKS_SPEED else 0.0
-    return OtherAgent(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, speed, True)
+    kind = slots.kind[j] if KINDS else 0.0
+    return OtherAgent(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, speed, True, kind)
 
 
 @compiled
@@ -514,6 +515,7 @@ def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
         tick,
         key,
         flock.ids.shape[0],
+        load(slots.kind, slot) if KINDS else 0.0,
     )
 
 
@@ -537,6 +539,7 @@ def agent_of_slot(flock, slots, slot, table, tick, key):
         tick,
         key,
         flock.ids.shape[0],
+        slots.kind[slot] if KINDS else 0.0,
     )
 
 

@@ -147,6 +147,7 @@ def row_of(flock, i, workspace, tick, key):
         tick,
         key,
         flock.ids.shape[0],
+        flock.kind[i] if KINDS else 0.0,
     )
 
 

@@ -180,6 +180,7 @@ def agent_of_slot(flock, slots, slot, workspace, tick, key):
         tick,
         key,
         flock.ids.shape[0],
+        slots.kind[slot] if KINDS else 0.0,
     )
 
 
@@ -236,6 +237,9 @@ def pick(workspace, at, n):
     if ASKS_SPEED:
         for k in range(n):
             selected[6, k] = block[9, np.uintp(workspace.chosen[k])]
+    if KINDS:
+        for k in range(n):
+            selected[7, k] = block[10, np.uintp(workspace.chosen[k])]
     for q in range(SIGNALS):
         for k in range(n):
             workspace.close_signals[q, k] = workspace.signals[q, np.uintp(workspace.chosen[k])]
@@ -333,9 +337,9 @@ def nearby(m, workspace, at, points):
 
     Positions start at row `at`, -1 for those that were picked out.
     """
-    block, signals, speeds = workspace.block, workspace.signals, 9
+    block, signals, speeds, kinds = workspace.block, workspace.signals, 9, 10
     if at < 0:
-        block, signals, at, speeds = workspace.close, workspace.close_signals, 0, 6
+        block, signals, at, speeds, kinds = workspace.close, workspace.close_signals, 0, 6, 7
     flat: Any = zeros()
     z, uz = (flat, flat) if DIM == 2 else (block[at + 2], block[5])
     heard: Any = signals[SIGNALS - 1] if DEAFENS else ones()
@@ -355,6 +359,7 @@ def nearby(m, workspace, at, points):
         spot[0],
         spot[1],
         workspace.spare,
+        block[kinds] if KINDS else flat,
     )
 
 

@@ -17,7 +17,7 @@ import tomlkit
 
 from agents.catalogue import model as find_model
 from agents.individuals import Distribution, split_individuals
-from agents.kinds import ALIASES, ALL, Kind, Relation, kind_table
+from agents.kinds import ALIASES, ALL, Kind, Relation, complete_kinds, kind_table
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.motion import demand_kinds
@@ -211,7 +211,7 @@ def read_run(values: dict[str, Any], origin: str) -> CompleteSpec:
     shared, individuals = split_individuals(parameters)
     checked_parameters = checked(model.parameters, shared, origin)
     model.demand_individual(individuals)
-    demand_kinds(model, checked_parameters, kind_table(spec.kinds, spec.to))
+    demand_kinds(model, checked_parameters, complete_kinds(model.rule.kinds, spec.kinds, spec.to))
     complete = preset_spec(**{**dict(spec), "parameters": parameters})
     demand_bounded(complete)
     return complete

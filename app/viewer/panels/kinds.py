@@ -234,7 +234,7 @@ class KindsPanel:
                 self.number = gui.add_number(
                     "Agents of it",
                     1,
-                    min=1,
+                    min=0,
                     max=MOST_OF_A_KIND,
                     step=1,
                     hint="Another number begins the run anew",

@@ -16,8 +16,9 @@ import numpy as np
 
 from agents.catalogue import model as find_model
 from agents.engine.arrays import Arrays
+from agents.engine.heeding import CAUGHT
 from agents.flock import Flock
-from agents.kinds import kind_table, replace_kind
+from agents.kinds import complete_kinds, replace_kind
 from agents.models.declare import checked
 from agents.motion import demand_kinds
 from agents.recordings.recording import Recording
@@ -190,7 +191,7 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
     spec = run.with_parameters(kept, world=now.world, layout=None, kinds=kinds)
     alone = spec.with_values(kinds=(), to={})
     flock = build(alone, start={"position": now.position, "heading": now.heading})
-    table = kind_table(kinds, now.kinds.to)
+    table = complete_kinds(model.rule.kinds, kinds, now.kinds.to)
     demand_kinds(model, flock.parameters, table)
     arrays, columns = flock.arrays._asdict(), now.model.columns
     for name, array in now.arrays._asdict().items():
@@ -201,7 +202,9 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
         if name in columns:
             memory[row] = now.arrays.memory[columns.index(name)]
     if kinds:
-        arrays["kind"] = now.arrays.kind
+        number = np.array([*map(table.names.index, now.kinds.names), CAUGHT])
+        arrays["kind"] = number[now.kind_numbers]
+    if table.kinds:
         shared = [float(getattr(flock.parameters, name)) for name in model.individual]
         arrays["own"] = np.tile(shared, (len(now.ids), 1))
     for name, column in now.own.items():
@@ -215,7 +218,7 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
         kinds=table,
         catches=now.catches,
     )
-    return InMemoryFlock(flock.spec.with_values(kinds=kinds, to=table.to), then)
+    return InMemoryFlock(flock.spec.with_values(kinds=table.kinds, to=table.to), then)
 
 
 def read_stored(name: str, content: bytes | None = None, path: Path | None = None) -> StoredFlock:
