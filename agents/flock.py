@@ -410,8 +410,9 @@ class Flock(TickClock, HuntingMotion):
     def observe(self, name: str, *subscription: Any, kind: str | None = None) -> Any:
         """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`.
 
-        `kind`: of the agents of a kind alone, as if there were no others. Raises InputError. With a
-        signal and a handler it subscribes to a Mesa observable, such as `time`, as in Mesa.
+        `kind`: of the agents of a kind alone, or of the information agents (`informed`), as if
+        there were no others. Raises InputError. With a signal and a handler it subscribes to a Mesa
+        observable, such as `time`, as in Mesa.
         """
         if subscription:
             return super().observe(name, *subscription)

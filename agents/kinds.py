@@ -34,6 +34,8 @@ ORDINARY = "flock"
 """What the agents are called that are of no kind of `kinds`."""
 ALIASES = {"prey": ORDINARY, "ordinary": ORDINARY}
 """What else they may be called."""
+INFORMED = "informed"
+"""How information agents are asked for, as agents of a kind are: they are ordinary ones."""
 ALL = "all"
 """All other kinds, where a relation names nobody."""
 DEEDS = ("own", "ignore", "flee", "chase")

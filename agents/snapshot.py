@@ -14,7 +14,7 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.engine.heeding import OWN
 from agents.individuals import Distribution, each
-from agents.kinds import ALIASES, NO_KINDS, KindTable
+from agents.kinds import ALIASES, INFORMED, NO_KINDS, KindTable
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
@@ -103,11 +103,15 @@ class FlockState:
 
     def rows_of(self, kind: str) -> np.ndarray:
         """The rows of the agents of a kind, int (M,), without those that were caught and stand
-        still. Raises InputError for a kind that there is not."""
+        still; of `informed` those of the information agents. Raises InputError for a kind that
+        there is not."""
         names = self.kinds.names
         name = ALIASES.get(kind, kind) if kind not in names else kind
+        if name == INFORMED and INFORMED not in names:
+            is_met = self.arrays.kind >= 0.0 if len(self.arrays.kind) else True
+            return np.flatnonzero(self.informed & is_met)
         if name not in names:
-            raise unknown("kind", kind, names)
+            raise unknown("kind", kind, (*names, INFORMED))
         if not self.kinds.kinds:
             return np.arange(len(self.ids))
         return np.flatnonzero(self.arrays.kind == names.index(name))

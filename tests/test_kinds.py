@@ -12,6 +12,7 @@ from agents.flock import Flock
 from agents.individuals import normal
 from agents.kinds import Kind, chase, flee
 from agents.mesa_interface import Member
+from agents.observables.catalogue import find_observable
 from agents.spec import Spec
 from worlds.input_error import InputError
 from worlds.world import World
@@ -375,6 +376,35 @@ def test_mesa_groups_and_selects_by_kind():
     assert flock.own["v0"].max() == 0.06
     assert set(flock.to_dataframe()["kind"]) == {"flock", "shark"}
     assert flock.observe("polarisation", kind="shark") != flock.observe("polarisation")
+
+
+def test_information_agents_are_asked_for_as_a_kind_is():
+    flock = Flock("hwvem", agents=20, informed=3, rng=1)
+    flock.run(2)
+    rows = flock.rows_of("informed")
+    assert rows.tolist() == np.flatnonzero(flock.informed).tolist()
+    mean = np.linalg.norm(flock.heading[rows].mean(axis=0))
+    assert np.isclose(flock.observe("polarisation", kind="informed"), mean)
+    one = find_observable("polarisation of informed")
+    assert one.applies(flock)
+    assert np.isclose(one.measure(flock.snapshot()), mean)
+    assert not one.applies(Flock("vem", agents=5, rng=1))
+    with pytest.raises(InputError, match="unknown kind 'informd': did you mean 'informed'"):
+        flock.rows_of("informd")
+
+
+def test_a_kind_that_is_called_informed_is_asked_for_by_its_name():
+    flock = Flock(Spec("vem", agents=5, seed=1, kinds=[Kind("informed", 2)]))
+    assert len(flock.rows_of("informed")) == 2
+    assert (flock.kind_names[flock.rows_of("informed")] == "informed").all()
+
+
+def test_information_agents_that_were_caught_are_not_among_them():
+    flock = meeting("frozen")
+    flock.informed[0] = True
+    flock.run(1)
+    assert flock.kind_names[0] == "caught"
+    assert len(flock.rows_of("informed")) == 0
 
 
 def test_each_follows_from_its_seed_and_identity_alone():

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from agents.kinds import NAME
+from agents.kinds import INFORMED, NAME
 from agents.observables import consistency, lanes, of_flocks, of_rows, order
 from agents.observables.groups import size_histogram
 from agents.observables.observable import (
@@ -516,7 +516,7 @@ def find_observable(name: str) -> Observable:
         name=name,
         title=f"{one.title}, of the agents of kind {kind}",
         measure=measure,
-        applies=has_kinds,
+        applies=lambda flock: has_kinds(flock) or (kind == INFORMED and has_informed(flock)),
         quick=False,
         card=None,
         beside="",
