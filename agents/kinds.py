@@ -366,6 +366,17 @@ class KindTable:
         return [k for k, kind in enumerate(self.kinds, 1) if name in kind.parameters]
 
     @property
+    def said(self) -> tuple[tuple[str, str], ...]:
+        """Whose relation to whom somebody has said, in their order: the others follow from it."""
+        found: dict[tuple[str, str], None] = {}
+        for name, heeded in ((ORDINARY, self.to), *((kind.name, kind.to) for kind in self.kinds)):
+            for other in heeded:
+                others = [one for one in self.names if one != name] if other == ALL else [other]
+                for one in others:
+                    found[name, one if one in self.names else ALIASES[one]] = None
+        return tuple(found)
+
+    @property
     def radius(self) -> float:
         """The largest radius that a relation names, length; 0 without one."""
         return max((one.radius or 0.0 for one in self.relations.values()), default=0.0)

@@ -22,6 +22,7 @@ from agents.flock_world import world_of_any_seed
 from agents.models.declare import NumberParameter, declared
 from agents.observables.of_rows import squared_distance
 from agents.state.start import FIRST, SPEED, TRIES, goal_heading, start_gap
+from agents.web_kinds import as_javascript, farthest_parameters
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import signed_distance
 
@@ -80,6 +81,8 @@ def count_misplaced(flock, task, surroundings, space):
             for j in range(task.first, i):
                 near = squared_distance(flock, space, i, j) <= task.spacing * task.spacing
                 lacks = lacks or near
+        # Without a spacing nobody who had a place can lack one now.
+        lacks = lacks and (task.lacks_place[i] != 0 or task.spacing > 0.0)
         task.lacks_place[i] = 1 if lacks else 0
         count += 1.0 if lacks else 0.0
     return count
@@ -236,29 +239,26 @@ def start_task(flock: Flock) -> StartTask:
     return task
 
 
-NUMBERS = {"inf": "Infinity", "nan": "NaN"}
-"""What is no number in JSON, as JavaScript reads it of text."""
-
-
 def start_words(flock: Flock) -> dict[str, Any]:
     """What the page's script has to know to draw starts."""
     run, world, mission = flock.options, flock.world, flock.world.mission
     region = None if mission is None else mission.start
     path = None if mission is None or region is None else mission.path
     spacing = region.spacing if run.spacing is None and region is not None else run.spacing
-    columns = map(str, flock.model.initial_columns.tolist())
+    columns = map(as_javascript, flock.model.initial_columns.tolist())
     return {
+        "agents": run.agents if flock.kinds.kinds else len(flock.ids) - run.informed,
         "informed": run.informed,
+        "others": run.count_of_kinds,
         "spacing": spacing or 0.0,
         "apart": run.spacing or 0.0,
-        "tries": TRIES + 1,
         "whole": region is None,
         "corner": region is None and not world.is_solid,
         "stays": world_of_any_seed(run, flock.model).random is not None,
         "goal": goal_heading(world.dim).tolist(),
         "waypoint": None if path is None else list(path.waypoints[0]),
         "speeds": not math.isnan(start_task(flock).slow[0]) and flock.model.body.speed is None,
-        "memory": [[NUMBERS.get(one, one), len(list(same))] for one, same in groupby(columns)],
+        "memory": [[one, len(list(same))] for one, same in groupby(columns)],
     }
 
 
@@ -267,11 +267,11 @@ def start_reach(flock: Flock) -> float:
     parameters, gap = flock.parameters, start_gap(flock.model.body)
     if not flock.world.is_solid or not can_begin_anew(flock):
         return 0.0
-    widest = parameters.model_copy(
+    widest = farthest_parameters(flock).model_copy(
         update={
             one.name: max(one.proposed[1], getattr(parameters, one.name))
             for one in declared(type(parameters))
-            if isinstance(one, NumberParameter)
+            if isinstance(one, NumberParameter) and one.name not in flock.differing
         }
     )
     return max(start_words(flock)["apart"], 0.0 if gap is None else float(gap(widest)))

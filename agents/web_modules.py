@@ -11,6 +11,7 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numba
@@ -27,6 +28,7 @@ from agents.engine.cache import (
     write_checked,
 )
 from agents.web_math import FUNCTIONS, page_function
+from worlds.compilation import compiled
 from worlds.input_error import InputError
 from worlds.web_assembly import LinkedCode, linked_code, web_module
 
@@ -117,3 +119,23 @@ def module_of(
     for oldest in list(AT_HAND)[:-MOST_AT_HAND]:
         del AT_HAND[oldest]
     return content
+
+
+def with_callees(function: FunctionType, callers: tuple[FunctionType, ...] = ()) -> FunctionType:
+    """A plain function whose callees are plain, too, as numba takes it: it calls them compiled.
+
+    One that calls itself stays as it is, which numba refuses.
+    """
+    known, callers = function.__globals__, (*callers, function)
+    callees = {
+        name: compiled(with_callees(callee, callers), takes_text=True)
+        for name in function.__code__.co_names
+        if isinstance(callee := known.get(name), FunctionType) and callee not in callers
+    }
+    return FunctionType(
+        function.__code__,
+        known | callees,
+        function.__name__,
+        function.__defaults__,
+        function.__closure__,
+    )

@@ -9,7 +9,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import FunctionType
 from typing import Any, NoReturn
 
 import numpy as np
@@ -17,12 +16,15 @@ import numpy as np
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import SynchronousEngine
 from agents.flock import Flock
+from agents.individuals import normal, split_individuals
+from agents.kinds import replace_kind
 from agents.models.declare import NumberParameter, declared
 from agents.models.model import NUMBER
 from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.observables.observable import Range
-from agents.observables.of_rows import empty_cells, groups, layers
-from agents.state.start import free_positions
+from agents.observables.of_rows import NOT_ASKED, empty_cells, groups, layers
+from agents.spec import CompleteSpec
+from agents.state.start import TRIES, free_positions
 from agents.strips.strip_engine import StripEngine
 from agents.web_draws import (
     DRAWS,
@@ -34,8 +36,17 @@ from agents.web_draws import (
     start_words,
     wind_task,
 )
-from agents.web_modules import PageFunction, module_of
-from worlds.compilation import compiled, entry
+from agents.web_kinds import (
+    demand_kinds_in_page,
+    farthest_parameters,
+    functions_of_rows,
+    is_listed_by_hand,
+    own_arguments,
+    own_sliders,
+    page_values,
+)
+from agents.web_modules import PageFunction, module_of, with_callees
+from worlds.compilation import entry
 from worlds.input_error import InputError
 from worlds.queries.survey import survey_world
 from worlds.web_assembly import FIRST_FREE, MemoryImage
@@ -92,28 +103,36 @@ def web_program(
     if start_reach(flock) > arguments[SEEN].reach:
         arguments[WIDER] = survey_world(flock.world, start_reach(flock))
     image = memory_image(arguments)
-    is_anew = can_begin_anew(flock) and not is_fixed
-    grows = growth(flock) if is_anew else {}
+    is_anew = can_begin_anew(flock) and not is_fixed and not is_listed_by_hand(flock)
+    becomes = {relation.caught for _, _, relation in flock.kinds.catchers}
+    grows = growth(flock) if is_anew or "taken" in becomes else {}
     functions = {"advance": PageFunction(call.function, call.arguments)}
     calls: dict[str, tuple[str, ...]] = {}
     reach = flock.model.rule.reach
     is_computed = reach not in type(flock.parameters).model_fields
-    if is_computed:
+    if is_computed and not differs(flock):
         functions["reach"] = of_slider(flock, getattr(type(flock.parameters), reach).fget, reach)
-    for name in draws(flock, is_anew):
+    for name in draws(flock, is_anew or "moved" in becomes):
         function, paths = DRAWS[name]
         calls[name] = tuple(WIDER if WIDER in arguments and one == SEEN else one for one in paths)
         functions[name] = PageFunction(function, [arguments[path] for path in calls[name]])
-    if is_anew:
-        for name, (function, paths) in of_parameters(flock).items():
+    needed = of_parameters(flock) if is_anew or "moved" in becomes else {}
+    if differs(flock):
+        of_rows, paths_of_rows = functions_of_rows(flock, arguments, needed)
+        functions |= of_rows
+        calls |= paths_of_rows
+    else:
+        for name, (function, paths) in needed.items():
             calls[name] = paths
             functions[name] = of_slider(flock, function, name, *(0.5 for _ in paths[1:]))
     measures = web_measures(flock)
-    arguments["together"] = flock.together
     labels = web_labels(flock)
+    measured = dict(arguments)
+    if not flock.kinds.kinds:
+        measured["flock"] = measured["flock"]._replace(kind=NOT_ASKED)
     for compute in (*(OBSERVABLES[one["name"]].compiled for one in measures), *labels.values()):
         names = inspect.signature(compute.py_func).parameters
-        functions[export_name(compute)] = PageFunction(compute, [arguments[name] for name in names])
+        functions[export_name(compute)] = PageFunction(compute, [measured[name] for name in names])
     module = module_of(functions, update)
     unknown = sorted(set(imported_functions(module)) - KNOWN)
     if unknown:
@@ -145,14 +164,17 @@ def web_program(
         },
         "grows": grows,
         "calls": calls,
+        "tries": TRIES + 1,
         "start": start_words(flock) if is_anew else None,
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,
         "steered": 0 if is_fixed else steered_agents(flock),
         "measures": measures,
         "labels": {name: loop_call(flock, compute) for name, compute in labels.items()},
-        "reach": None if is_computed else reach,
+        "reach": None if is_computed or differs(flock) else reach,
     }
+    if differs(flock):
+        manifest["differ"] = page_values(flock)
     return WebProgram(module, bytes(image.content), manifest)
 
 
@@ -166,7 +188,13 @@ def page_arguments(flock: Flock, call: CallStopped) -> dict[str, Any]:
         "chance": 0.0,
         "keys": np.zeros(len(flock.ids)),
         "air": wind_task(flock),
-    }
+        "together": flock.together,
+    } | (own_arguments(flock) if differs(flock) else {})
+
+
+def differs(flock: Flock) -> bool:
+    """Whether agents have numbers of their own: by themselves or by their kind."""
+    return bool(flock.individuals or flock.kinds.kinds)
 
 
 def memory_image(arguments: Mapping[str, Any]) -> MemoryImage:
@@ -187,9 +215,10 @@ FEWER, MORE = 512, 1024
 def growth(flock: Flock) -> dict[str, list[list[int]]]:
     """The arguments that grow with the number of agents: of each, for every axis, how many items an
     agent adds and how many there are besides; of a whole number the same."""
+    few, many = (count + flock.options.count_of_kinds for count in (FEWER, MORE))
     fewer, more = (
         memory_image(page_arguments(other, first_call(other)))
-        for other in (with_agents(flock, FEWER), with_agents(flock, MORE))
+        for other in (with_agents(flock, few), with_agents(flock, many))
     )
     found = {}
     for path, one in fewer.arguments.items():
@@ -198,8 +227,8 @@ def growth(flock: Flock) -> dict[str, list[list[int]]]:
             (kind, a), (_, b) = fewer.slots[one.slot], more.slots[one.slot]
             sizes = ((int(a),), (int(b),)) if kind == "l" else ((), ())
         if sizes[0] != sizes[1]:
-            each = [(b - a) // (MORE - FEWER) for a, b in zip(*sizes, strict=True)]
-            found[path] = [[k, a - FEWER * k] for k, a in zip(each, sizes[0], strict=True)]
+            each = [(b - a) // (many - few) for a, b in zip(*sizes, strict=True)]
+            found[path] = [[k, a - few * k] for k, a in zip(each, sizes[0], strict=True)]
     return found
 
 
@@ -212,7 +241,19 @@ def with_agents(flock: Flock, count: int) -> Flock:
         "heading": np.repeat(flock.heading[:1], count, axis=0),
         "informed": np.zeros(count, bool),
     }
-    return Flock(flock.spec, start=start)
+    return Flock(without_lists(flock), start=start)
+
+
+def without_lists(flock: Flock) -> CompleteSpec:
+    """The run of a flock, whose agents differ where they did, but not by lists of so many."""
+    if not differs(flock):
+        return flock.spec
+    alike = {name: normal(getattr(flock.parameters, name), 0.0) for name in flock.individuals}
+    kinds = tuple(
+        replace_kind(one, parameters=split_individuals(one.parameters)[0])
+        for one in flock.kinds.kinds
+    )
+    return flock.spec.with_parameters(flock.all_parameters | alike, kinds=kinds)
 
 
 def web_measures(flock: Flock) -> list[dict[str, Any]]:
@@ -227,6 +268,9 @@ def web_measures(flock: Flock) -> list[dict[str, Any]]:
         and observable.in_page(flock)
     ]
     found.sort(key=lambda one: telling.index(one.name) if one.name in telling else len(telling))
+    names = [one.name for one in found]
+    if "catches" in names:  # a page has two charts at first: it is in the second one
+        found.insert(1, found.pop(names.index("catches")))
     return [
         {
             "name": one.name,
@@ -256,7 +300,7 @@ def web_labels(flock: Flock) -> dict[str, Any]:
 
     Layers go by who is within reach: where the nearest are neighbours they would be others.
     """
-    has_layers = bool(flock.informed.any()) and not flock.nearest
+    has_layers = bool(flock.informed.any()) and not flock.nearest and not differs(flock)
     return {"group": groups} | ({"layer": layers} if has_layers else {})
 
 
@@ -265,6 +309,8 @@ def loop_call(flock: Flock, compute: Any) -> dict[str, Any]:
     together = flock.model.rule.together or flock.model.rule.reach
     is_parameter = together in type(flock.parameters).model_fields
     paths = {"together": f"context.parameters.{together}" if is_parameter else "context.reach"}
+    if differs(flock):
+        paths = {}
     names = inspect.signature(compute.py_func).parameters
     return {"export": export_name(compute), "arguments": [paths.get(name, name) for name in names]}
 
@@ -287,21 +333,7 @@ def demand_possible(flock: Flock) -> None:
             f"agents come and go in {flock.world.name}: a page that runs by itself has the same "
             "agents throughout"
         )
-    if flock.kinds.kinds:
-        raise InputError(
-            f"there are kinds of agents ({', '.join(flock.kinds.names)}): in a page that runs by "
-            "itself all agents are of one kind"
-        )
-    if flock.individuals:
-        raise InputError(
-            f"agents differ in {', '.join(flock.individuals)}: in a page that runs by itself all "
-            "agents have the same parameters"
-        )
-    if flock.kinds.kinds:
-        raise InputError(
-            f"there are kinds of agents ({', '.join(flock.kinds.names)}): in a page that runs by "
-            "itself all agents are of one kind"
-        )
+    demand_kinds_in_page(flock)
     if not len(flock.ids):
         raise InputError("a page needs at least one agent")
     if flock.ranks != 1:
@@ -353,6 +385,8 @@ def sliders(flock: Flock) -> list[NumberParameter]:
 def survey_for_sliders(flock: Flock) -> None:
     """Have the surroundings surveyed as far as any slider lets agents see: a page cannot do so."""
     for parameter in sliders(flock):
+        if parameter.name in flock.individuals:
+            continue
         before = getattr(flock.parameters, parameter.name)
         most: dict[str, Any] = {parameter.name: parameter.proposed[1]}
         try:
@@ -361,6 +395,11 @@ def survey_for_sliders(flock: Flock) -> None:
             continue  # it would be refused by the page, too
         _ = flock.engine
         flock.set(**{parameter.name: before})
+    if differs(flock):
+        sight = flock.model.body.sight or flock.model.rule.reach
+        farthest = float(getattr(farthest_parameters(flock), sight))
+        if farthest > flock.engine.surroundings.reach:
+            flock.engine.surroundings = survey_world(flock.world, farthest)
 
 
 def slider_parameters(flock: Flock, image: MemoryImage) -> list[dict[str, Any]]:
@@ -386,6 +425,8 @@ def slider_parameters(flock: Flock, image: MemoryImage) -> list[dict[str, Any]]:
                 "slots": parameter_slots(flock, image, parameter),
             }
         )
+    if differs(flock):
+        described = own_sliders(flock, described)
     return [*described, *delay_slider(flock, image)]
 
 
@@ -417,6 +458,11 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
     name = parameter.name
     value, loop, context = getattr(flock.parameters, name), flock.loop, flock.context
     low, high = parameter.proposed
+    paths = [
+        f"context.{own}.{name}" for own in OWN if getattr(getattr(context, own), name) == value
+    ]
+    if differs(flock) and name in flock.model.individual:
+        return [image.arguments[path].slot for path in paths]
     other: dict[str, Any] = {name: high if value != high else low}
     try:
         flock.set(**other)
@@ -426,11 +472,8 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
     flock.set(**{name: value})
     if loop_changed or changed.nearest != context.nearest:
         return []
-    paths = [
-        f"context.{own}.{name}" for own in OWN if getattr(getattr(context, own), name) == value
-    ]
     if changed.lasts != context.lasts:
-        if changed.lasts != other or flock.options.is_late:  # how old messages are follows from it
+        if changed.lasts != other[name] or flock.options.is_late:  # how old messages are follows from it
             return []
         paths.append(DURATION)
     return [image.arguments[path].slot for path in paths]
@@ -468,23 +511,3 @@ def of_slider(flock: Flock, function: Any, name: str, *more: float) -> PageFunct
     compute = with_callees(function)
     compute.__name__ = compute.__qualname__ = name
     return PageFunction(entry(compute), (flock.context.parameters, *more), takes_text=True)
-
-
-def with_callees(function: FunctionType, callers: tuple[FunctionType, ...] = ()) -> FunctionType:
-    """A plain function whose callees are plain, too, as numba takes it: it calls them compiled.
-
-    One that calls itself stays as it is, which numba refuses.
-    """
-    known, callers = function.__globals__, (*callers, function)
-    callees = {
-        name: compiled(with_callees(callee, callers), takes_text=True)
-        for name in function.__code__.co_names
-        if isinstance(callee := known.get(name), FunctionType) and callee not in callers
-    }
-    return FunctionType(
-        function.__code__,
-        known | callees,
-        function.__name__,
-        function.__defaults__,
-        function.__closure__,
-    )

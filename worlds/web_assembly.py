@@ -252,6 +252,11 @@ def web_module(
             whole.link_in(module)
     if whole is None:
         raise ValueError("a module needs a function")
+    called = {function.name for function in whole.functions}
+    for name in sorted(needed):
+        if OWN_LANES.format(name) in called:
+            whole.link_in(parsed(lanes_caller(name), machine))
+            whole.get_function(OWN_LANES.format(name)).linkage = "internal"
     for name in sorted(needed):
         whole.link_in(own_function(name, own[name](), machine))
         whole.get_function(OWN.format(name)).linkage = "internal"
@@ -269,8 +274,10 @@ def link_helpers(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
         module.link_in(parsed(OF_NUMBA[name], machine))
 
 
-OWN = "own_{}"
-"""What a library's function is called where it is one of ours."""
+OWN, OWN_LANES = "own_{}", "own_{}_lanes"
+"""What a library's function is called where it is one of ours: of a double, and of eight at once."""
+LANES = 8
+"""Doubles of a vector: `agents.engine.vector_lanes.WIDTH`."""
 
 
 def with_own(text: str, own: Mapping[str, object]) -> tuple[str, set[str]]:
@@ -285,6 +292,12 @@ def with_own(text: str, own: Mapping[str, object]) -> tuple[str, set[str]]:
         return f"@{OWN.format(match[1])}("
 
     text = re.sub(rf"@(?:llvm\.)?({names})(?:\.f64)?\(", renamed, text)
+
+    def renamed_lanes(match: re.Match[str]) -> str:
+        found.add(match[1])
+        return f"@{OWN_LANES.format(match[1])}("
+
+    text = re.sub(rf"@llvm\.({names})\.v{LANES}f64\(", renamed_lanes, text)
     lines, declared = [], set()
     for line in text.split("\n"):  # the library's and LLVM's own name may both be declared
         match = re.match(r"declare double @(own_\w+)\(", line)
@@ -293,6 +306,24 @@ def with_own(text: str, own: Mapping[str, object]) -> tuple[str, set[str]]:
         if match is not None:
             declared.add(match[1])
     return "\n".join(lines), found
+
+
+def lanes_caller(name: str) -> str:
+    """One of our functions of eight doubles, as LLVM code: it calls that of one double."""
+    kind = f"<{LANES} x double>"
+    lines = [
+        f"declare double @{OWN.format(name)}(double)",
+        f"define {kind} @{OWN_LANES.format(name)}({kind} %x) {{",
+    ]
+    before = "undef"
+    for lane in range(LANES):
+        lines.append(f"  %x{lane} = extractelement {kind} %x, i32 {lane}")
+        lines.append(f"  %y{lane} = call double @{OWN.format(name)}(double %x{lane})")
+        lines.append(
+            f"  %v{lane} = insertelement {kind} {before}, double %y{lane}, i32 {lane}"
+        )
+        before = f"%v{lane}"
+    return "\n".join([*lines, f"  ret {kind} {before}", "}", ""])
 
 
 def own_function(name: str, code: LinkedCode, machine: llvm.TargetMachine) -> llvm.ModuleRef:

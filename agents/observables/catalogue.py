@@ -372,6 +372,7 @@ KINDS = [
         events=lambda flock: flock.catches.tick,
         applies=has_hunters,
         tells=has_hunters,
+        compiled=of_rows.catches,
     ),
     Observable(
         "kind-distance",

@@ -6,8 +6,9 @@ Each takes arrays of the engine by the names of its arguments, `flock`, `space`,
     together    the distance within which agents are of one group, length
     converges   whether the rule leads the flock to the information agent's heading
     cells       room for cell lists, `CellLists`
+    caught      how many agents were caught so far
 
-Rows of agents that have crashed are left out. A value is that of the observable of the same name,
+Rows of agents that have crashed, or that were caught and stand still, are left out. A value is that of the observable of the same name,
 which is written in NumPy: tests hold one against the other.
 """
 
@@ -17,6 +18,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba.core import types
+from numba.core.extending import overload
 
 from agents.observables.consistency import squared_angle
 from agents.observables.order import EXACT
@@ -53,10 +56,28 @@ def empty_cells(agents: int) -> CellLists:
     )
 
 
+NOT_ASKED = np.empty(0, np.bool_)
+"""In place of `Arrays.kind` where there are no kinds: nothing of them is then in compiled code."""
+
+
+def is_caught(kind, i):
+    """Whether agent i stands still because it was caught; see `Arrays.kind`."""
+    return kind.shape[0] > 0 and kind[i] < 0.0
+
+
+@overload(is_caught)
+def is_caught_compiled(kind, i):  # noqa: ARG001
+    """The same, or False where nobody asks."""
+    if kind.dtype == types.boolean:
+        return lambda kind, i: False  # noqa: ARG005
+    return lambda kind, i: kind.shape[0] > 0 and kind[i] < 0.0
+
+
 @compiled
 def is_active(flock, i):
-    """Whether agent i has not crashed."""
-    return flock.crash_record.shape[0] == 0 or flock.crash_record[i, 0] < 0.0
+    """Whether agent i has not crashed, and does not stand still because it was caught."""
+    flies = flock.crash_record.shape[0] == 0 or flock.crash_record[i, 0] < 0.0
+    return flies and not is_caught(flock.kind, i)
 
 
 @compiled
@@ -261,7 +282,16 @@ def velocity_spread(flock):
 @entry
 def crashes(flock):
     """How many agents have crashed so far."""
-    return float(flock.position.shape[0] - active_count(flock))
+    count = 0.0
+    for i in range(flock.crash_record.shape[0]):
+        count += 1.0 if flock.crash_record[i, 0] >= 0.0 else 0.0
+    return count
+
+
+@entry
+def catches(caught):
+    """How many agents were caught so far: the page counts them."""
+    return caught
 
 
 @entry

@@ -77,10 +77,16 @@ class Kernel {
   // Give an array new room, all zeros, for another shape.
   move(path, shape) {
     const argument = this.arguments[path], bytes = Kernel.VIEWS[argument.kind].BYTES_PER_ELEMENT;
-    const size = shape.reduce((a, b) => a * b, 1), axes = shape.length;
-    argument.address = this.allot(Math.max(Kernel.SLOT, size * bytes));
-    argument.shape = shape;
+    argument.address = this.allot(Math.max(Kernel.SLOT, bytes * shape.reduce((a, b) => a * b, 1)));
+    this.reshape(path, shape);
     this.view(path).fill(argument.kind.includes("64") && argument.kind !== "float64" ? 0n : 0);
+  }
+
+  // Give an array another shape where it is.
+  reshape(path, shape) {
+    const argument = this.arguments[path], bytes = Kernel.VIEWS[argument.kind].BYTES_PER_ELEMENT;
+    const size = shape.reduce((a, b) => a * b, 1), axes = shape.length;
+    argument.shape = shape;
     const view = new DataView(this.memory.buffer), at = (k) => this.manifest.block + Kernel.SLOT * (argument.slot + k);
     view.setBigInt64(at(2), BigInt(size), true);
     view.setUint32(at(4), argument.address, true);
@@ -89,6 +95,17 @@ class Kernel {
       view.setBigInt64(at(5 + axis), BigInt(shape[axis]), true);
       view.setBigInt64(at(5 + axes + axis), BigInt(stride), true);
       stride *= shape[axis];
+    }
+  }
+
+  // Have all that grows with the number of agents be of so many; `change` gives an array another shape.
+  resize(n, change) {
+    for (const [path, axes] of Object.entries(this.manifest.grows)) {
+      // The grid has as many cells as are worth having: agents.engine.arrays.empty_grid.
+      const count = path.startsWith("grid.") ? Math.max(64, n) : n;
+      const sizes = axes.map(([each, more]) => each * count + more);
+      if (this.arguments[path].shape.length) change(path, sizes);
+      else this.write(path, sizes[0]);
     }
   }
 
@@ -163,7 +180,11 @@ class Kernel {
     if (parameter.ticks) this.write("messages.delay", Math.round(value / parameter.ticks));
     else for (const slot of parameter.slots) this.writeDouble(slot, value);
     if (this.manifest.reach === parameter.name) this.write("context.reach", value);
-    if (this.exports.reach) this.write("context.reach", this.compute("reach", ["context.parameters"]));
+    if (this.exports.reach) this.write("context.reach", this.reach());
+  }
+
+  reach() {
+    return this.compute("reach", ["context.parameters"]);
   }
 
   read(path) {

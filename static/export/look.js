@@ -8,6 +8,7 @@ const stretch = (list, count) => Array.from({ length: count }, (_, k) => {
   return list[low].map((value, i) => value + (at - low) * (list[low + 1][i] - value));
 });
 const unhex = (digits) => digits.match(/.{6}/g).map((one) => [0, 2, 4].map((k) => parseInt(one.slice(k, k + 2), 16)));
+const css = (ink) => `rgb(${ink.map(Math.round).join()})`;
 // A number in three figures or so.
 const figures = (value) => String(+value.toPrecision(3)).replace("-", "\u2212");
 
@@ -34,7 +35,8 @@ class Look {
     this.size = $("size");
     this.theme = $("theme");
     this.note = $("trailed");
-    for (const colour of ["heading", "speed", ...Object.keys(view.manifest.labels)]) {
+    const kind = view.manifest.differ?.kinds.length ? ["kind"] : [];
+    for (const colour of ["heading", "speed", ...kind, ...Object.keys(view.manifest.labels)]) {
       this.offer(colour, colour);
       if (colour === view.manifest.colour) this.select.value = colour;
     }
@@ -123,16 +125,7 @@ class Look {
     const ends = range.map(figures), said = [this.view.ids.length, colour, isCrashed, isLed, ...ends].join();
     if (said === this.said) return;
     this.said = said;
-    const css = (ink) => `rgb(${ink.map(Math.round).join()})`;
-    const add = (name, words, background) => {
-      const part = document.createElement("span");
-      part.className = name;
-      part.textContent = words;
-      if (background) part.style.background = background;
-      this.legend.append(part);
-      return part;
-    };
-    const entry = (words, ink) => add("entry", words).prepend(add("dot", "", css(ink)));
+    const add = (...part) => this.add(...part), entry = (words, ink) => this.addEntry(words, ink);
     this.legend.replaceChildren();
     if (colour === "heading") {
       const row = this.headings[this.headings.length >> 1], parts = [];
@@ -158,6 +151,25 @@ class Look {
     if (isCrashed) entry("crashed", this.crashed);
   }
 
+  // A part of the legend.
+  add(name, words, background) {
+    const part = document.createElement("span");
+    part.className = name;
+    part.textContent = words;
+    if (background) part.style.background = background;
+    this.legend.append(part);
+    return part;
+  }
+
+  addEntry(words, ink) {
+    this.add("entry", words).prepend(this.add("dot", "", css(ink)));
+  }
+
+  // What an agent is, beside that.
+  role(frame, row) {
+    return frame.informed[row] ? ", information agent" : "";
+  }
+
   // What is said of the picked agent.
   tell(frame, row, neighbours) {
     const { dim } = this, id = row < 0 ? null : frame.ids[row];
@@ -170,7 +182,6 @@ class Look {
     const facts = [`heading ${(degrees(Math.atan2(uy, ux)) + 360) % 360}°`];
     if (dim === 3) facts.push(`climb ${figures(degrees(Math.asin(Math.min(1, Math.max(-1, uz)))))}°`);
     facts.push(`speed ${figures(frame.speed[row])}`, `${neighbours} neighbour${neighbours === 1 ? "" : "s"}`);
-    const who = `Agent ${id}${frame.informed[row] ? ", information agent" : ""}`;
-    this.words.textContent = `${who}: ${frame.crashed[row] ? "crashed" : facts.join(", ")}`;
+    this.words.textContent = `Agent ${id}${this.role(frame, row)}: ${frame.crashed[row] ? "crashed" : facts.join(", ")}`;
   }
 }

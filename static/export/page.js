@@ -183,7 +183,7 @@ class Page {
     $("go").onclick = () => this.toggle();
     $("step").onclick = () => { this.go(false); this.ask({ ticks: 1 }); };
     $("reset").onclick = () => this.reset();
-    this.agents = manifest.agents - (manifest.start?.informed ?? 0);
+    this.agents = manifest.start?.agents ?? manifest.agents;
     this.seed = manifest.seed;
     $("anew").hidden = !manifest.start;
     $("stays").hidden = !manifest.start?.stays;
@@ -245,7 +245,7 @@ class Page {
       ? { min: Math.log(low), max: Math.log(high), step: (Math.log(high) - Math.log(low)) / 400 }
       : { min: low, max: high, step: step || (high - low) / 400 });
     input.setAttribute("aria-label", `${words}${unit === "1" ? "" : `, ${unit}`}`);
-    if (!parameter.slots.length) {
+    if (!parameter.slots.length && !parameter.of) {
       input.disabled = true;
       row.title = `${description} It cannot be changed in this page.`;
     }
@@ -291,9 +291,7 @@ class Page {
   set(parameter, value) {
     const before = this.values[parameter.name];
     this.values[parameter.name] = value;
-    const radius = (zone) => zone.reduce((sum, [name, times]) => sum + times * this.values[name], 0);
-    const radii = this.manifest.zones.map(radius);
-    if (radii.some((one, k) => k && one < radii[k - 1] - 1e-12)) {
+    if (!this.areZonesInOrder((name) => this.values[name])) {
       this.values[parameter.name] = before;
       this.say(`${parameter.words} stops at ${text(before, 2)}: zones keep their order.`);
     } else {
@@ -302,6 +300,12 @@ class Page {
       if (!this.going && !this.busy) this.ask({});
     }
     this.shown[parameter.name](this.values[parameter.name]);
+  }
+
+  areZonesInOrder(valueOf) {
+    const radius = (zone) => zone.reduce((sum, [name, times]) => sum + times * valueOf(name), 0);
+    const radii = this.manifest.zones.map(radius);
+    return radii.every((one, k) => !k || one >= radii[k - 1] - 1e-12);
   }
 
   // Have the flock do something, after what the sliders say by now; its answer is shown.
@@ -351,7 +355,7 @@ class Page {
     this.turn = undefined;
     this.run += 1;
     this.view.clear();
-    const { manifest, agents, seed } = this, first = manifest.agents - (manifest.start?.informed ?? 0);
+    const { manifest, agents, seed } = this, first = manifest.start?.agents ?? manifest.agents;
     Object.assign($("agents"), { value: agents });
     Object.assign($("seed"), { value: seed });
     // At tick 0 what sliders say may count: how fast agents begin, and how far from what is solid.
@@ -500,6 +504,7 @@ class Page {
   try {
     const manifest = JSON.parse($("manifest").textContent);
     const [code, image] = await Promise.all([unpack("module"), unpack("memory")]);
+    if (manifest.differ) showKinds();
     const page = new Page(new Requests(await WebAssembly.compile(code), manifest, image), manifest);
     await page.begin();
     globalThis.page = page;

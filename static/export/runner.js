@@ -2,13 +2,18 @@
 // on the page's own thread. One request after the other: each is answered by how the flock stands.
 class Runner {
   constructor(module, manifest, image) {
-    this.kernel = new Kernel(module, manifest, image);
-    this.starter = new Starter(this.kernel);
+    this.kernel = this.build(module, manifest, image);
     this.manifest = manifest;
     this.shown = [];
     this.rest = {};
     this.labelled = {};
     this.rows = [];
+  }
+
+  build(...program) {
+    const kernel = new Kernel(...program);
+    this.starter = new Starter(kernel);
+    return kernel;
   }
 
   // Do what is asked for, in the order of these names; `budget` is the most time to run in, ms. A `trial` ends
@@ -17,7 +22,6 @@ class Runner {
     const { kernel } = this;
     let error = "";
     if (reset) kernel.reset();
-    this.set(set);
     if (heading) this.steer(heading);
     const { measures } = this.manifest;
     if (shown) this.shown = shown.map((name) => measures.find((one) => one.name === name)).filter(Boolean);
@@ -26,6 +30,7 @@ class Runner {
     let ran = 0;
     const { measure, after, end = Infinity } = trial ?? {}, measured = [];
     try {
+      this.set(set);
       if (start) this.begin(start, set);
       while (ran < ticks && kernel.tick < end && (!ran || performance.now() < until)) {
         kernel.run(1);
@@ -44,7 +49,7 @@ class Runner {
   set(values) {
     for (const [name, value] of values) {
       const parameter = this.manifest.parameters.find((one) => one.name === name);
-      if (parameter.slots.length) this.kernel.set(parameter, value);
+      if (parameter.slots.length || parameter.of) this.kernel.set(parameter, value);
     }
   }
 
@@ -91,7 +96,7 @@ class Runner {
       const sizes = new Map();
       labels.forEach((of, row) => {
         of = labels[row] = labels[of]; // an agent of a row before, whose own is known
-        if (!this.hasCrashed(row)) sizes.set(of, (sizes.get(of) ?? 0) + 1);
+        if (!this.isOut(row)) sizes.set(of, (sizes.get(of) ?? 0) + 1);
       });
       const ranks = [...sizes].sort(([a, many], [b, few]) => few - many || a - b).map(([of], rank) => [of, rank]);
       const rank = new Map(ranks);
@@ -99,6 +104,10 @@ class Runner {
     }
     this.rest[kind] = performance.now() + 4 * (performance.now() - now);
     return this.labelled[kind] = labels;
+  }
+
+  isOut(row) {
+    return this.hasCrashed(row);
   }
 
   hasCrashed(row) {
@@ -126,10 +135,12 @@ class Runner {
 // Asks a runner for its answers: one at a time, as a page draws no more.
 class Requests {
   constructor(module, manifest, image) {
-    const source = `"use strict";\n${Kernel}\n${Starter}\n${Runner}\nlet runner;
+    this.kind = manifest.differ ? KindRunner : Runner;
+    const classes = [Kernel, Starter, Runner, ...(manifest.differ ? [KindKernel, KindStarter, KindRunner] : [])];
+    const source = `"use strict";\n${classes.join("\n")}\nlet runner;
       onmessage = ({ data: { begin, number, request } }) => {
         try {
-          if (begin) runner = new Runner(...begin);
+          if (begin) runner = new ${this.kind.name}(...begin);
           postMessage({ number, answer: runner.answer(request) });
         } catch (error) { postMessage({ number, error: error.message }); }
       };`;
@@ -156,7 +167,7 @@ class Requests {
   // On the page's own thread.
   stay(module, manifest, image) {
     this.worker = null;
-    this.runner = new Runner(module, manifest, image);
+    this.runner = new this.kind(module, manifest, image);
     for (const [number, { request }] of this.waiting) this.take({ number, answer: this.runner.answer(request) });
   }
 

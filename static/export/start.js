@@ -7,16 +7,10 @@ class Starter {
 
   // The flock at tick 0. Throws where so many agents do not fit.
   begin(seed, agents) {
-    const { kernel, words } = this, { informed } = words, n = agents + informed;
+    const { kernel, words } = this, { informed } = words, n = agents + informed + words.others;
     kernel.tick = 0;
     kernel.write("seed", seed);
-    for (const [path, axes] of Object.entries(kernel.manifest.grows)) {
-      // The grid has as many cells as are worth having: agents.engine.arrays.empty_grid.
-      const count = path.startsWith("grid.") ? Math.max(64, n) : n;
-      const sizes = axes.map(([each, more]) => each * count + more);
-      if (kernel.arguments[path].shape.length) kernel.move(path, sizes);
-      else kernel.write(path, sizes[0]);
-    }
+    kernel.resize(n, (path, shape) => kernel.move(path, shape));
     const view = (name) => kernel.view(`flock.${name}`);
     view("ids").forEach((_, row, ids) => { ids[row] = BigInt(row + 1); });
     view("informed").fill(1, 0, informed);
@@ -27,26 +21,37 @@ class Starter {
       view("memory").fill(Number(value), n * row, n * (row + count));
       row += count;
     }
+    this.prepare(n);
     if (words.whole) {
       this.place(0, informed, 0, 0);
       if (words.corner) view("position").fill(0, 0, informed && kernel.manifest.dim);
     }
     const gap = kernel.manifest.calls.start_gap ? kernel.draw("start_gap") : 0;
     this.place(words.whole ? informed : 0, n, words.spacing, Math.max(gap, words.apart));
+    this.sort(n, informed);
+    this.settle(n, gap);
     kernel.draw("draw_headings");
     this.lead(informed);
     this.speed(n);
-    this.sort(n, informed);
     if (kernel.manifest.runner === "turns") kernel.setOrder();
   }
 
+  // What else agents begin with, before they have their places, and once rows follow space.
+  prepare() {}
+  settle() {}
+
   // Try places for the rows [first, end) until all fit.
   place(first, end, spacing, gap) {
+    this.kernel.view("start.lacks_place").fill(1);
+    this.fit(first, end, spacing, gap);
+  }
+
+  // The same for those of them that lack a place.
+  fit(first, end, spacing, gap) {
     const { kernel } = this;
     for (const [name, value] of Object.entries({ first, end, spacing, gap })) kernel.write(`start.${name}`, value);
-    kernel.view("start.lacks_place").fill(1);
     let lack = end - first;
-    for (let attempt = 1; lack && attempt <= this.words.tries; attempt++) {
+    for (let attempt = 1; lack && attempt <= kernel.manifest.tries; attempt++) {
       kernel.write("start.attempt", attempt);
       kernel.draw("draw_places");
       lack = kernel.manifest.calls.count_misplaced ? kernel.draw("count_misplaced") : 0;
@@ -71,6 +76,7 @@ class Starter {
     const { kernel } = this, isSaid = "start_speed" in kernel.manifest.calls, chance = kernel.view("flock.speed").slice();
     for (let row = 0; row < n; row++) {
       kernel.write("chance", chance[row]);
+      if (kernel.arguments.at) kernel.write("at", row);
       const speed = isSaid ? kernel.draw("start_speed") : 0;
       kernel.view("flock.speed")[row] = speed;
     }
@@ -86,7 +92,7 @@ class Starter {
       const axis = keys[a].findIndex((key, k) => key !== keys[b][k]);
       return axis < 0 ? a - b : keys[a][axis] - keys[b][axis];
     });
-    for (const name of ["position", "heading", "speed", "ids"]) {
+    for (const name of ["position", "ids"]) {
       const values = kernel.view(`flock.${name}`), from = values.slice(), width = values.length / n;
       rows.forEach((row, k) => values.set(from.subarray(row * width, (row + 1) * width), (informed + k) * width));
     }

@@ -173,7 +173,7 @@ class StepCard {
       page.values[name] = set[name] ?? value;
       page.shown[name](page.values[name]);
     }
-    page.agents = set.agents ?? page.manifest.agents - (page.manifest.start?.informed ?? 0);
+    page.agents = set.agents ?? page.manifest.start?.agents ?? page.manifest.agents;
     this.begun = number;
     return page.reset();
   }

@@ -134,7 +134,9 @@ class PageWorker:
         module = hashlib.sha256(page.program.module).hexdigest()[:32]
         if module not in self.modules:
             self.modules[module] = gzip.compress(page.program.module, mtime=0)
-        movable = [one["name"] for one in page.program.manifest["parameters"] if one["slots"]]
+        sliders = page.program.manifest["parameters"]
+        # The class knows nothing of sliders that change what agents differ in.
+        movable = [one["name"] for one in sliders if one["slots"] and "of" not in one]
         shown = named_sliders(asked, movable)
         measured = [one["name"] for one in page.program.manifest["measures"]]
         told = student | {

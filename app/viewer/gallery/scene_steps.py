@@ -309,7 +309,7 @@ def demand_in_page(steps: Sequence[SceneStep], manifest: Mapping[str, Any], orig
     movable = {
         slider["name"]: (slider["low"], slider["high"])
         for slider in manifest["parameters"]
-        if slider["slots"]
+        if slider["slots"] or "of" in slider
     }
     measures = [measure["name"] for measure in manifest["measures"]]
     for number, step in enumerate(steps, 1):

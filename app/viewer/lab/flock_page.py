@@ -26,6 +26,7 @@ import shapely
 
 from agents.catalogue import from_file
 from agents.flock import Flock
+from agents.kinds import NO_KINDS, KindTable
 from agents.spec import CompleteSpec, Spec
 from agents.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
@@ -34,14 +35,15 @@ from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
 from app.viewer.panels.dials import marked_symbol
 from app.viewer.scene.draw.agent_shapes import SWINGS, AgentShape, shape_of
 from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import KIND
 from app.viewer.scene.shown.drawing_style import AS_MODEL
 from worlds.file_writer import PAGES, demand_writable, write_text
 from worlds.world import World
 
 FOLDER = STATIC / "export"
 SCRIPTS = ("kernel.js", "start.js", "runner.js", "view.js", "look.js", "page.js")
-SHAPES = "shapes.js"
-"""Of pages whose agents are no darts, before `page.js`, which begins."""
+SHAPES, KINDS, KINDS_PAGE = "shapes.js", "kinds.js", "kinds-page.js"
+"""Of pages whose agents are no darts, and of pages whose agents differ."""
 LIVELY, FASTEST = 30.0, 1000.0
 """Ticks a second at which a page begins, and at most."""
 CORNERS = 48
@@ -133,13 +135,15 @@ def pair_page(
     command = words.command or f"{export_command(flock.spec)} --beside {beside.model.name}"
     own = PageWords(speed=words.speed, plots=words.plots, command=command, colour=words.colour)
     frames = []
-    script = style = ""
+    scripts: dict[str, None] = {}
+    style = ""
     for number, one in enumerate((flock, beside)):
 
         def half_of(share: float, number: int = number) -> None:
             update(0.5 * (number + share))
 
         page, script, style = page_parts(one, own, half_of, is_fixed=True)
+        scripts[script] = None
         text = html.escape(one_file(page, script, style))
         name = html.escape(one.model.rule.title)
         sandbox = "allow-scripts allow-downloads"
@@ -147,7 +151,7 @@ def pair_page(
     titles = " beside ".join(one.model.rule.title for one in (flock, beside))
     buttons = short_script("pair.js")
     return Template((FOLDER / "pair.html").read_text("utf-8")).substitute(
-        policy=html.escape(page_policy([buttons, script], [style])),
+        policy=html.escape(page_policy([buttons, *scripts], [style])),
         version=version("flockscope"),
         title=html.escape(words.title or titles),
         watch=html.escape(words.watch),
@@ -167,7 +171,7 @@ def page_files(
     """The same as files of a folder on a web server: its page, which is called `name`, what runs,
     and what all pages of the folder share. Raises InputError."""
     page, _, style = page_parts(flock, words, update)
-    script = page_script(has_shape=True)
+    script = page_script(has_shape=True, differ=True)
     script_file, style_file = VIEWER_FILES
     module, memory = f"{name}.wasm", f"{name}.bin"
     script, style = with_steps(script, style)  # one file for all pages, those without steps too
@@ -223,12 +227,13 @@ def page_parts(
     command = words.command or export_command(flock.spec)
     triangles, lines = drawn_obstacles(flock.world)
     obstacles = {"triangles": triangles, "lines": lines}
+    colour = words.colour or (KIND if flock.kinds.kinds else "")
     form = rule.form if words.form == AS_MODEL else words.form
     shape = shape_of(flock.world.dim, flock.model.body.vehicle is not None, form)
-    manifest = program.manifest | obstacles | {"palette": page_palette(flock.world.dim)}
+    manifest = program.manifest | obstacles | {"palette": page_palette(flock.world.dim, flock.kinds)}
     manifest["tries"] = steps_to_try(flock, words)
-    if words.colour:
-        manifest["colour"] = words.colour
+    if colour:
+        manifest["colour"] = colour
     if words.steps:
         demand_in_page(words.steps, manifest, command)
         manifest["steps"] = [step.page_values() for step in words.steps]
@@ -238,7 +243,7 @@ def page_parts(
         parameter["symbol"] = marked_symbol(parameter["symbol"])
     if shape is not None:
         manifest["shape"] = page_shape(shape)
-    script = page_script(shape is not None)
+    script = page_script(shape is not None, "differ" in manifest)
     style = read_style("page.css")
     texts = {
         "title": words.title or rule.title,
@@ -338,9 +343,10 @@ def read_style(name: str) -> str:
     return (FOLDER / name).read_text("utf-8")
 
 
-def page_script(has_shape: bool) -> str:
-    """The scripts of a page, in the order in which they need each other."""
-    names = (*SCRIPTS[:-1], SHAPES, SCRIPTS[-1]) if has_shape else SCRIPTS
+def page_script(has_shape: bool, differ: bool) -> str:
+    """The scripts of a page, in the order in which they need each other; `page.js` begins."""
+    shapes, kinds = (SHAPES,) if has_shape else (), (KINDS, KINDS_PAGE) if differ else ()
+    names = (*SCRIPTS[:-1], *shapes, *kinds, SCRIPTS[-1])
     return "'use strict';\n" + "\n".join(short_script(name) for name in names)
 
 
@@ -362,7 +368,7 @@ def page_shape(shape: AgentShape) -> dict[str, Any]:
     return sizes | {"parts": parts, "motion": motion}
 
 
-def page_palette(dim: int) -> dict[str, Any]:
+def page_palette(dim: int, kinds: KindTable = NO_KINDS) -> dict[str, Any]:
     """The laboratory's colours, six hexadecimal digits each, as few as a page can blend again.
 
     Those of headings are rows from diving to climbing, one in the plane; each row goes round from
@@ -380,7 +386,11 @@ def page_palette(dim: int) -> dict[str, Any]:
         "layer": digits(palette.LAYERS),
         "crashed": digits(palette.CRASHED[None]),
         "unknown": digits(palette.UNKNOWN[None]),
-    }
+    } | (
+        {"kind": digits(palette.kind_colours(kinds)), "caught": digits(palette.CAUGHT[None])}
+        if kinds.kinds
+        else {}
+    )
 
 
 def digits(colours: np.ndarray) -> str:
