@@ -9,11 +9,11 @@ import numpy as np
 from gymnasium.spaces import Box
 from pettingzoo import ParallelEnv
 
+from agents.agent_view import AgentView, numbers_of_action, wishes_of_actions
 from agents.flock import Flock
 from agents.flock_world import LARGEST_DRAWN
 from agents.option import whole_number
 from agents.spec import Spec
-from app.learning.agent_view import AgentView
 from app.learning.reward import StepResult
 from app.learning.rewards import rewards
 from worlds.input_error import InputError, shorten, unknown
@@ -27,7 +27,7 @@ class FlockEnv(ParallelEnv):
     An action is a wish in the player's own frame, each number in [-1, 1]. Where the rule wishes a
     heading it is how far to turn to the left, and in space upwards, in half turns; where it wishes
     an acceleration or a velocity it is that over `scale`, ahead, to the left and up. The body keeps
-    to its limits. An observation is that of `app.learning.agent_view.AgentView`. A player is done
+    to its limits. An observation is that of `agents.agent_view.AgentView`. A player is done
     (`terminated`) when it was caught or has crashed, and all are (`truncated`) after `ticks`.
 
     Raises InputError for what cannot be, also for an action that is no finite number.
@@ -68,13 +68,10 @@ class FlockEnv(ParallelEnv):
         self.flock = Flock(spec if spec.seed is not None else spec.but(seed=1))
         self.rng = np.random.default_rng(self.flock.seed)
         self.view = AgentView(self.flock, self.k, players[0].agents)
-        self.wishes_heading = self.flock.model.rule.wish == "heading"
-        dim = self.flock.world.dim
-        numbers = dim - 1 if self.wishes_heading else dim
         self.possible_agents = [f"{kind}_{n}" for n in range(players[0].agents)]
         self.agents: list[str] = []
         self._observation = Box(-1.0, 1.0, (self.view.width,), np.float32)
-        self._action = Box(-1.0, 1.0, (numbers,), np.float32)
+        self._action = Box(-1.0, 1.0, (numbers_of_action(self.flock),), np.float32)
         self.ids = self._player_ids()
 
     def observation_space(self, agent: str) -> Box:  # noqa: ARG002 - as in PettingZoo
@@ -161,7 +158,7 @@ class FlockEnv(ParallelEnv):
         flock = self.flock
         name_of = {identity: name for name, identity in self.ids.items()}
         numbers = self._action.shape[0]
-        wishes = np.empty((len(rows), flock.world.dim))
+        told = np.empty((len(rows), numbers))
         for at, row in enumerate(rows.tolist()):
             name = name_of[int(flock.ids[row])]
             if name not in actions:
@@ -175,28 +172,5 @@ class FlockEnv(ParallelEnv):
                     f"action of {name} is {shorten(actions[name])}: {numbers} finite numbers in "
                     "[-1, 1] are needed"
                 )
-            wishes[at] = self._wish(flock.heading[row], np.clip(action, -1.0, 1.0))
-        flock.steer(self.kind, wishes)
-
-    def _wish(self, heading: np.ndarray, action: np.ndarray) -> np.ndarray:
-        """The wish (dim,) of an action, of an agent with a heading (dim,)."""
-        axes = frame_of(heading)
-        if not self.wishes_heading:
-            return self.scale * action @ axes
-        turn = np.pi * action[0]
-        wish = np.cos(turn) * axes[0] + np.sin(turn) * axes[1]
-        if len(axes) == 3:
-            climb = 0.5 * np.pi * action[1]
-            wish = np.cos(climb) * wish + np.sin(climb) * axes[2]
-        direction: np.ndarray = wish
-        return direction
-
-
-def frame_of(heading: np.ndarray) -> np.ndarray:
-    """The axes (dim, dim) of an agent with a heading (dim,): ahead, left, up."""
-    if len(heading) == 2:
-        return np.array([heading, [-heading[1], heading[0]]])
-    left = np.array([-heading[1], heading[0], 0.0])
-    length = np.linalg.norm(left)
-    left = left / length if length > 1e-9 else np.array([0.0, 1.0, 0.0])
-    return np.array([heading, left, np.cross(heading, left)])
+            told[at] = action
+        flock.steer(self.kind, wishes_of_actions(flock, rows, told, self.scale))

@@ -1,6 +1,7 @@
-"""What steered agents see: the nearest agents, their own speed, the goal and what is solid.
+"""What steered agents see, and what their actions wish.
 
-All of it is in an agent's own frame: ahead, to the left and, in space, up. Numbers are in [-1, 1].
+They see the nearest agents, their own speed, the goal and what is solid. All of it, and their
+actions, are in an agent's own frame: ahead, to the left and, in space, up. Numbers are in [-1, 1].
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ import numpy as np
 
 from agents.engine.cache import compile_to_disk
 from agents.engine.heeding import edge_of_view
-from agents.flock import Flock
 from agents.inspection import field_of_view
+from agents.motion import Motion
 from worlds.compilation import compiled
 from worlds.queries.surroundings import signed_distance
 
@@ -157,7 +158,7 @@ class AgentView:
     from the own place and half a reach along each axis both ways, over the reach.
     """
 
-    def __init__(self, flock: Flock, k: int, agents: int):
+    def __init__(self, flock: Motion, k: int, agents: int):
         dim = flock.world.dim
         self.flock, self.reach = flock, flock.reach
         self.width = k * (2 * dim + 2) + 1 + dim + 1 + 2 * dim
@@ -190,3 +191,45 @@ class AgentView:
         )
         seen: np.ndarray = self.seen[: len(rows)].astype(np.float32)
         return seen
+
+
+def numbers_of_action(flock: Motion) -> int:
+    """How many numbers an action has: a turn in each way where the rule wishes a heading, else the
+    parts of an acceleration or a velocity."""
+    dim = flock.world.dim
+    return dim - 1 if flock.model.rule.wish == "heading" else dim
+
+
+def wishes_of_actions(
+    flock: Motion, rows: np.ndarray, actions: np.ndarray, scale: float
+) -> np.ndarray:
+    """The wishes (M, dim) of actions (M, A) of the agents of rows, for `Flock.steer`.
+
+    Where the rule wishes a heading an action is how far to turn to the left, in half turns, and in
+    space how far up, in quarter turns; else it is the wish over `scale`: ahead, to the left, up.
+    Numbers beyond [-1, 1] are cut off.
+    """
+    actions = np.clip(actions, -1.0, 1.0)
+    axes = frames_of(flock.heading[rows])
+    wishes: np.ndarray
+    if flock.model.rule.wish != "heading":
+        wishes = scale * np.einsum("ma,mad->md", actions, axes)
+        return wishes
+    turn = np.pi * actions[:, :1]
+    wishes = np.cos(turn) * axes[:, 0] + np.sin(turn) * axes[:, 1]
+    if axes.shape[1] == 3:
+        climb = 0.5 * np.pi * actions[:, 1:]
+        wishes = np.cos(climb) * wishes + np.sin(climb) * axes[:, 2]
+    return wishes
+
+
+def frames_of(headings: np.ndarray) -> np.ndarray:
+    """The axes (M, dim, dim) of agents with headings (M, dim): ahead, left, up."""
+    left = np.zeros_like(headings)
+    left[:, 0], left[:, 1] = -headings[:, 1], headings[:, 0]
+    if headings.shape[1] == 2:
+        return np.stack([headings, left], axis=1)
+    length = np.linalg.norm(left, axis=1, keepdims=True)
+    is_upright = length < 1e-9
+    left = np.where(is_upright, [0.0, 1.0, 0.0], left / np.where(is_upright, 1.0, length))
+    return np.stack([headings, left, np.cross(headings, left)], axis=1)
