@@ -259,6 +259,7 @@ class Flock(TickClock, HuntingMotion):
         is_same = self.ranks == 1 and self.world is world and self.parameters == parameters
         is_same = is_same and self.individuals == spec.individuals
         is_same = is_same and self.kinds == kind_table(spec.kinds, spec.to)
+        is_same = is_same and not self.kinds.with_model  # whose passes have copies of the arrays
         self.parameters = parameters
         for member in self._members or ():
             member.leave()
@@ -289,12 +290,15 @@ class Flock(TickClock, HuntingMotion):
         """A random start, with the speeds that the body begins with, and the agents' own
         parameters. Raises InputError."""
         run = self.options
-        gap = self._start_gap(self._own_at_start(np.arange(1, run.count + 1)))
+        ids = np.arange(1, run.count + 1)
+        gap = self._start_gap(self._own_at_start(ids), self._kind_at_start(ids))
         ordinary = run.count - run.informed
         begin = random_start(self.world, ordinary, run.informed, self.seed, run.spacing, gap)
         begin = self._start_kinds_in_boxes(begin, gap)
-        own = self._own_at_start(1 + begin.number)
-        return self._with_start_speeds(begin, bool(begin.speed.any()), own), own
+        ids = 1 + begin.number
+        own, kind = self._own_at_start(ids), self._kind_at_start(ids)
+        with_speeds = bool(begin.speed.any())
+        return self._with_start_speeds(begin, with_speeds, own, kind=kind), own
 
     def _start_kinds_in_boxes(self, begin: Start, gap: float) -> Start:
         """The start, with those of a kind that has a box of its own there. Raises InputError."""
@@ -320,11 +324,12 @@ class Flock(TickClock, HuntingMotion):
         """A start from arrays; without speeds with those that the body begins with; and the agents'
         own parameters. `first_id`: of agents that join. Raises InputError."""
         begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
+        ids, kind = (first_id or 1) + begin.number, None
         if first_id is None:
-            own, first_id = self._own_at_start(1 + begin.number), 1
+            own, kind = self._own_at_start(ids), self._kind_at_start(ids)
         else:
-            own = self._own_of_new(first_id + begin.number)
-        return self._with_start_speeds(begin, "speed" in start, own, first_id), own
+            own = self._own_of_new(ids)
+        return self._with_start_speeds(begin, "speed" in start, own, first_id or 1, kind), own
 
     def _has_parameter(self, name: str) -> bool:
         """Whether a name that nothing else has is that of a parameter."""
@@ -420,15 +425,18 @@ class Flock(TickClock, HuntingMotion):
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
-        snapshot = self.snapshot(copy=False, signals=True)
-        context = self.context_of(row)
-        return inspect(snapshot, self.engine.surroundings, context, row, self.interpret)
+        snapshot = self.snapshot(copy=False, signals=True).by_model_of(row)
+        surroundings, context = self.surroundings_of(row), self.context_of(row)
+        return inspect(snapshot, surroundings, context, row, self.interpret)
 
     def warm(self) -> None:
         """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
-        compile_inspection(
-            self.snapshot(copy=False), self.engine.surroundings, self.context, self.interpret
-        )
+        snapshot = self.snapshot(copy=False)
+        compile_inspection(snapshot, self.engine.surroundings, self.context, self.interpret)
+        for one in self.kind_models:
+            for row in self.rows_of(one.kind.name)[:1].tolist():
+                surroundings, context = self.surroundings_of(row), self.context_of(row)
+                compile_inspection(snapshot.by_model_of(row), surroundings, context, self.interpret)
 
     def set_kind(self, kind: str, **values: Unpack[ParameterWords]) -> None:
         """Change parameters of the agents of a kind alone. Raises InputError, and then changes
@@ -455,6 +463,12 @@ class Flock(TickClock, HuntingMotion):
                 f"kinds {', '.join(kinds.names)} are not allowed: this flock has "
                 f"{', '.join(before.names)}"
             )
+        for one, other in zip(kinds.kinds, before.kinds, strict=True):
+            if one.model != other.model:
+                raise InputError(
+                    f"kind {one.name}: model = {one.model or self.model.name} is not allowed: a "
+                    f"running flock keeps its models, here {other.model or self.model.name}"
+                )
         self._demand_kinds(kinds)
         self.kinds = kinds
         try:
@@ -464,8 +478,8 @@ class Flock(TickClock, HuntingMotion):
             self.kinds = before
             raise
         for name in self.individuals:
-            column = self.model.individual.index(name)
-            rows = ~np.isin(self.arrays.kind, kinds.numbers_with(name))
+            column = self.own_columns.index(name)
+            rows = ~np.isin(self.arrays.kind, kinds.numbers_with(name)) & self.goes_by_model
             own[rows, column] = self.arrays.own[rows, column]
         self._take_own(self.parameters, self.individuals, own, self.loop)
 
@@ -651,7 +665,7 @@ class Flock(TickClock, HuntingMotion):
             world=self.world.name,
             size=self.world.size,
             dim=self.world.dim,
-            kinds=self.kinds.kinds,
+            kinds=self.all_kinds,
             to=self.kinds.to,
             layout=None if is_built_in(self.world, self.seed) else self.world.to_layout(),
             versions=versions(),
@@ -754,5 +768,5 @@ def measure_observable(flock: Flock, name: str, kind: str | None = None) -> Any:
     """The value of an observable now; of the agents of a kind alone, where one is named."""
     snapshot = flock.snapshot(copy=False)
     if kind is not None:
-        snapshot = snapshot.of(flock.rows_of(kind))
+        snapshot = snapshot.of_kind(kind)
     return OBSERVABLES[name].measure(snapshot.measurable())

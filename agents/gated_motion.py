@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from agents.engine.arrays import Arrays
 from agents.engine.noise import BEYOND, uniform_numbers
+from agents.kind_models import evaluate_parameters
+from agents.models.declare import Parameters
+from agents.models.model import Model
 from agents.motion import Motion
 from agents.observables.neighbours import separation
 from agents.state.agent_rows import (
@@ -54,33 +58,63 @@ class GatedMotion(Motion):
         kind = np.zeros(n if self.kinds.kinds else 0)
         return arrays._replace(own=own, kind=kind, wish=self._no_wishes(n))
 
-    def _start_gap(self, own: np.ndarray) -> float:
-        """How far from what is solid agents with these own parameters start at least, length."""
-        gap = start_gap(self.model.body)
-        return 0.0 if gap is None else float(self._evaluate(gap, own).max(initial=0.0))
+    def _start_gap(self, own: np.ndarray, kind: np.ndarray | None = None) -> float:
+        """How far from what is solid agents with these own parameters start at least, length.
+
+        `kind`: the number of each agent's; by default they are ordinary.
+        """
+        gaps = [0.0]
+        for model, parameters, rows in self._by_models(len(own), kind):
+            gap = start_gap(model.body)
+            if gap is not None:
+                columns = self._columns_of(own[rows])
+                gaps += evaluate_parameters(
+                    gap, model, parameters, columns, int(rows.sum())
+                ).tolist()
+        return max(gaps)
+
+    def _by_models(
+        self, n: int, kind: np.ndarray | None
+    ) -> Iterator[tuple[Model, Parameters, np.ndarray]]:
+        """The models of agents of these kinds, what they share, and which of n they move."""
+        others = np.zeros(n, bool)
+        numbers = np.zeros(n) if kind is None else kind
+        for one in self.kind_models:
+            rows = numbers == one.number
+            others |= rows
+            yield one.model, one.parameters, rows
+        yield self.model, self.parameters, ~others
+
+    def _columns_of(self, own: np.ndarray) -> dict[str, np.ndarray]:
+        """Own parameters (N, Q) by name, those that differ."""
+        differing = self.differing if own.shape[1] else ()
+        return {name: own[:, self.own_columns.index(name)] for name in differing}
 
     def _with_start_speeds(
-        self, begin: Start, with_speeds: bool, own: np.ndarray, first_id: int = 1
+        self,
+        begin: Start,
+        with_speeds: bool,
+        own: np.ndarray,
+        first_id: int = 1,
+        kind: np.ndarray | None = None,
     ) -> Start:
         """The start with the one speed of the body, or, without speeds, those it begins with.
 
-        `own`: the agents' own parameters.
+        `own`: the agents' own parameters. `kind`: the number of each one's kind, by default that of
+        the ordinary ones.
         """
-        body, n = self.model.body, len(begin.speed)
-        if body.speed is not None:
-            return replace(begin, speed=self._evaluate(body.speed, own))
-        if with_speeds or body.begins is None:
-            return begin
-        begins = body.begins
-        chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
-        if not self.differing:
-            return replace(begin, speed=np.broadcast_to(begins(self.parameters, chance), n).copy())
-        names = self.model.individual
-        speed = [
-            begins(self.parameters.model_copy(update=dict(zip(names, row, strict=True))), number)
-            for row, number in zip(own.tolist(), chance, strict=True)
-        ]
-        return replace(begin, speed=np.array(speed, float))
+        speed = begin.speed.copy()
+        for model, parameters, rows in self._by_models(len(speed), kind):
+            body, columns = model.body, self._columns_of(own[rows])
+            if body.speed is not None:
+                speed[rows] = evaluate_parameters(
+                    body.speed, model, parameters, columns, int(rows.sum())
+                )
+            elif not with_speeds and body.begins is not None:
+                ids = first_id + begin.number[rows]
+                chance = uniform_numbers(self.seed, FIRST, ids, 1, SPEED)[:, 0]
+                speed[rows] = begin_speeds(model, parameters, columns, chance)
+        return replace(begin, speed=speed)
 
     @property
     def _gates(self) -> Mission:
@@ -184,6 +218,28 @@ class GatedMotion(Motion):
             away = separation(tried[:, None], taken[None], world.size, world.images)
             is_free &= ~(np.linalg.norm(away, axis=2) < apart).any(axis=1)
         return tried[np.argmax(is_free)] if is_free.any() else None
+
+
+def begin_speeds(
+    model: Model, parameters: Parameters, columns: dict[str, np.ndarray], chance: np.ndarray
+) -> np.ndarray:
+    """The speeds (N,) that agents of a body begin with, by numbers uniform in [0, 1).
+
+    `columns`: the parameters that differ among them, by name, (N,) each.
+    """
+    begins = model.body.begins
+    assert begins is not None
+    names = [name for name in columns if name in model.individual]
+    if not names:
+        return np.broadcast_to(begins(parameters, chance), len(chance))
+    numbers = zip(*(columns[name].tolist() for name in names), strict=True)
+    return np.array(
+        [
+            begins(parameters.model_copy(update=dict(zip(names, row, strict=True))), number)
+            for row, number in zip(numbers, chance, strict=True)
+        ],
+        float,
+    )
 
 
 def exits_of(exits: tuple[ExitRegion, ...], position: np.ndarray) -> np.ndarray:

@@ -115,7 +115,7 @@ class HuntingMotion(GatedMotion):
             self.speed[rows] = 0.0
         elif relation.caught == "moved":
             seed = (self.seed + (self.tick + 1) * STRIDE) % SEEDS
-            gap = self._start_gap(self.arrays.own[rows])
+            gap = self._start_gap(self.arrays.own[rows], self.arrays.kind[rows])
             self.position[rows] = free_positions(self.world, ids, seed, gap=gap)
             self.heading[rows] = random_headings(seed, ids, self.world.dim)
             self.arrays.memory[:, rows] = self.model.initial_columns[:, None]

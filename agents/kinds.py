@@ -42,6 +42,8 @@ DEEDS = ("own", "ignore", "flee", "chase")
 CAUGHT_ARE = ("taken", "frozen", "moved", "counted")
 """What becomes of who is caught: it leaves the flock, stands still and nobody meets it, begins anew
 elsewhere, or nothing but that it is counted."""
+KEYS = ("name", "agents", "model", "parameters", "start", "colour", "to", "steered")
+"""What a table of a kind may say."""
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
 
 
@@ -158,6 +160,8 @@ class Kind:
     to: dict[str, Relation] = field(default_factory=dict)
     steered: bool = False
     """Whether its agents are told from outside what to wish, by `Flock.steer`."""
+    model: str = ""
+    """The name of a model of its own, whose parameters it then has; empty: the flock's."""
 
     def __init__(
         self,
@@ -169,6 +173,7 @@ class Kind:
         colour: str = "",
         to: Mapping[str, Any] | None = None,
         steered: Any = False,
+        model: Any = "",
         **more: Any,
     ) -> None:
         if (
@@ -207,6 +212,13 @@ class Kind:
         if not isinstance(steered, bool):
             raise InputError(f"kind {name}: steered = {shorten(steered)} is not true or false")
         object.__setattr__(self, "steered", steered)
+        if not isinstance(model, str):
+            raise InputError(f"kind {name}: model = {shorten(model)} is not the name of a model")
+        if model and steered:
+            raise InputError(
+                f"kind {name} has a model of its own, {shorten(model)}: it cannot be steered"
+            )
+        object.__setattr__(self, "model", model)
 
     def with_parameters(self, values: Mapping[str, Any]) -> Kind:
         """The same with some parameters changed."""
@@ -215,6 +227,8 @@ class Kind:
     def to_value(self) -> dict[str, Any]:
         """As TOML and JSON have it."""
         values: dict[str, Any] = {"name": self.name, "agents": self.agents}
+        if self.model:
+            values["model"] = self.model
         if self.colour:
             values["colour"] = self.colour
         if self.start is not None:
@@ -233,8 +247,7 @@ class Kind:
 
 def replace_kind(kind: Kind, **changes: Any) -> Kind:
     """The kind with some things changed. Raises InputError."""
-    fields = ("name", "agents", "parameters", "start", "colour", "to", "steered")
-    return Kind(**{name: getattr(kind, name) for name in fields} | changes)
+    return Kind(**{name: getattr(kind, name) for name in KEYS} | changes)
 
 
 def start_box_of(name: str, start: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -258,10 +271,9 @@ def as_kind(value: Any) -> Kind:
         return value
     if not isinstance(value, Mapping):
         raise InputError(f"{shorten(value)} is not a kind: a table with its name is needed")
-    known = ("name", "agents", "parameters", "start", "colour", "to", "steered")
     for key in value:
-        if key not in known:
-            raise unknown("key of a kind", str(key), known)
+        if key not in KEYS:
+            raise unknown("key of a kind", str(key), KEYS)
     if "name" not in value:
         raise InputError("a kind has no name")
     return Kind(**value)
@@ -327,11 +339,17 @@ class KindTable:
         default = Relation("own" if kind == other else "ignore")
         return self.relations.get((kind, other), default)
 
-    def to_array(self, reach: float) -> np.ndarray:
-        """As compiled code has them, (K, K, COLUMNS); without a radius they reach so far."""
-        names = self.names
+    def to_array(self, reach: float, number: int | None = None) -> np.ndarray:
+        """As compiled code has them, (K, K, COLUMNS); without a radius they reach so far.
+
+        `number`: of those alone who go by the model of the kind of that number, 0 for the flock's;
+        all others have to do with nobody. None: of all.
+        """
+        names, with_model = self.names, self.with_model
         table = np.zeros((len(names), len(names), COLUMNS))
         for i, kind in enumerate(names):
+            if number is not None and number != (i if i in with_model else 0):
+                continue
             for j, other in enumerate(names):
                 relation = self.of(kind, other)
                 row = table[i, j]
@@ -375,6 +393,11 @@ class KindTable:
                 for one in others:
                     found[name, one if one in self.names else ALIASES[one]] = None
         return tuple(found)
+
+    @property
+    def with_model(self) -> dict[int, Kind]:
+        """The kinds that have a model of their own, by their numbers."""
+        return {number: kind for number, kind in enumerate(self.kinds, 1) if kind.model}
 
     @property
     def radius(self) -> float:

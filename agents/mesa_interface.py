@@ -59,18 +59,16 @@ class Member(mesa.Agent):
     def __getattr__(self, name: str) -> Any:
         """The agent's number of a parameter, its own where agents differ."""
         flock = self.__dict__.get("model")
-        if flock is not None and name in flock.model.parameters.model_fields:
-            return getattr(flock.parameters_of(self.row), name)
+        if flock is not None and name in flock.parameter_names:
+            parameters = flock.parameters_of(self.row)
+            if name in type(parameters).model_fields:
+                return getattr(parameters, name)
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __setattr__(self, name: str, value: Any) -> None:
         """A parameter that is assigned is the agent's own from then on. Raises InputError."""
         flock = self.__dict__.get("model")
-        if (
-            flock is not None
-            and not hasattr(type(self), name)
-            and name in flock.model.parameters.model_fields
-        ):
+        if flock is not None and not hasattr(type(self), name) and name in flock.parameter_names:
             flock.set_own(self.row, name, value)
         else:
             super().__setattr__(name, value)
@@ -143,11 +141,13 @@ class Member(mesa.Agent):
     @speed.setter
     def speed(self, value: float) -> None:
         row, flock = self.row, self.model
-        if flock.model.body.speed is not None:
+        one = flock.kind_model_of(row)
+        model = flock.model if one is None else one.model
+        if model.body.speed is not None:
             raise InputError(
-                f"agents of {flock.model.name} go at a speed that is a parameter: set "
-                f"{' or '.join(sorted(flock.model.parameters_read(flock.model.body.speed)))} of "
-                "the agent or of the flock"
+                f"agents of {model.name} go at a speed that is a parameter: set "
+                f"{' or '.join(sorted(model.parameters_read(model.body.speed)))} of "
+                f"the agent or of the {'flock' if one is None else 'kind'}"
             )
         if not (isinstance(value, (int, float, np.number)) and 0.0 <= value < np.inf):
             raise InputError(

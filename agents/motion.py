@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, cached_property, partial
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, Unpack
@@ -19,6 +20,7 @@ from agents.engine.heeding import COLUMNS
 from agents.engine.noise import ANGULAR, NO_WIND, VECTORIAL
 from agents.engine.pairs import pair_runner
 from agents.engine.pairs.pair_runner import PairEngine
+from agents.engine.pass_engine import ModelPass, PassEngine, copy_moving
 from agents.engine.runner import (
     UNTRACED,
     DelayedEngine,
@@ -32,13 +34,14 @@ from agents.individuals import (
     normal,
     split_individuals,
 )
+from agents.kind_models import demand_kind_models, shared_numbers
 from agents.kinds import NO_KINDS, KindTable
 from agents.models.declare import NumberParameter, Parameters, as_floats, checked, describe
 from agents.models.model import Model
 from agents.models.model_calls import call
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, stop_when_consistent
 from agents.snapshot import FlockState, Snapshot
-from agents.spec import Options
+from agents.spec import CompleteSpec, Options
 from agents.state.agent_rows import StrayAgents, resize_past, select_rows, stray
 from agents.strips.strip_engine import (
     RankProcesses,
@@ -50,6 +53,7 @@ from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
 from worlds.number_text import counted
+from worlds.queries.surroundings import Surroundings
 from worlds.queries.survey import survey_world
 from worlds.world import World
 
@@ -67,6 +71,10 @@ STRETCH = 100_000
 """Ticks for which the wind is known in advance."""
 CHUNK = 500
 """Ticks of a long run between two looks at the world outside."""
+
+
+LoopKind = tuple[int, bool, bool, bool, bool, bool, bool]
+"""What `loop_of` asks for beside the model."""
 
 
 class Motion(FlockState):
@@ -89,8 +97,10 @@ class Motion(FlockState):
     """The setting with which agents go through what is solid here, or an empty string."""
     split_from: int | None = None
     """Agents from which on a tick is shared among threads; None: as it is worth it."""
-    _engine: SynchronousEngine | PairEngine | SequentialEngine | StripEngine | None
+    _engine: SynchronousEngine | PairEngine | SequentialEngine | PassEngine | StripEngine | None
     _wind: Wind
+    _beginning: tuple[CompleteSpec, World]
+    """The run as it began, and its world before random obstacles are drawn."""
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
     redrawn: Mapping[str, int] = MappingProxyType({})
@@ -117,6 +127,7 @@ class Motion(FlockState):
         """Take arrays of as many agents, which begin the same run with another seed."""
         self.arrays = arrays
         if self._engine is not None:
+            assert not isinstance(self._engine, PassEngine)
             self._engine.arrays, self._engine.seed = arrays, self.seed
         if self.differing:
             self._follow_own()
@@ -143,25 +154,41 @@ class Motion(FlockState):
     @property
     def of_pairs(self) -> bool:
         """Whether agents act eight at once: see `agents.engine.pairs`."""
+        return self._is_of_pairs(self.model)
+
+    def _is_of_pairs(self, model: Model) -> bool:
+        """Whether agents of a model act eight at once here."""
         interpreted = self.interpret or DISABLED
         is_synchronous = self.options.activation == "synchronous" and not self.options.is_late
-        return self.model.is_of_pairs and is_synchronous and not interpreted
+        return model.is_of_pairs and is_synchronous and not interpreted
 
     @property
     def loop(self) -> ModuleType:
-        """The module of the compiled loop."""
+        """The module of the compiled loop, of the flock's own model."""
         return loop_of(self.model, *self._loop_kind)
 
     @property
-    def _loop_kind(self) -> tuple[int, bool, bool, bool, bool, bool, bool]:
-        """What `loop_of` asks for beside the model."""
-        world_kind = self.world.dim, self.world.is_solid
-        is_nearest, kinds = self.nearest > 0, bool(self.kinds.kinds)
-        differ = kinds or bool(self.individuals)
-        return *world_kind, self.of_pairs, self.options.is_windy, is_nearest, differ, kinds
+    def loops(self) -> tuple[ModuleType, ...]:
+        """The modules of the compiled loops of all its models, the flock's own the first."""
+        others = (loop_of(one.model, *self._loop_kind_of(one.model)) for one in self.kind_models)
+        return self.loop, *others
 
     @property
-    def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine | StripEngine:
+    def _loop_kind(self) -> LoopKind:
+        """What `loop_of` asks for beside the model."""
+        return self._loop_kind_of(self.model)
+
+    def _loop_kind_of(self, model: Model) -> LoopKind:
+        """The same of any model of this flock."""
+        world_kind = self.world.dim, self.world.is_solid, self._is_of_pairs(model)
+        is_nearest, kinds = self.nearest > 0, bool(self.kinds.kinds)
+        differ = kinds or bool(self.individuals)
+        return *world_kind, self.options.is_windy, is_nearest, differ, kinds
+
+    @property
+    def engine(
+        self,
+    ) -> SynchronousEngine | PairEngine | SequentialEngine | PassEngine | StripEngine:
         """The compiled loop over these arrays. Raises InputError where ranks cannot share it."""
         if self._engine is None:
             engine = self._make_engine(self.arrays)
@@ -196,28 +223,52 @@ class Motion(FlockState):
         if reason:
             raise InputError(f"ranks are not allowed here: {reason}")
 
-    def _make_engine(self, arrays: Arrays) -> SynchronousEngine | PairEngine | SequentialEngine:
+    def _make_engine(
+        self, arrays: Arrays
+    ) -> SynchronousEngine | PairEngine | SequentialEngine | PassEngine:
+        if not self.kind_models:
+            return self._engine_of(self, arrays)
+        names = self.own_columns
+        columns = [names.index(name) for name in self.model.individual]
+        own = arrays.own[:, columns]
+        # Who goes by another model is met in this pass, and moved by none of its numbers.
+        own[np.isnan(own).any(axis=1)] = [
+            getattr(self.parameters, name) for name in self.model.individual
+        ]
+        first = self._engine_of(self, arrays._replace(own=np.ascontiguousarray(own)))
+        passes = []
+        for one in self.kind_models:
+            # Passes are made again whenever parameters, kinds or rows change.
+            view = replace(self.snapshot(copy=False), arrays=arrays)._by_kind_model(one)
+            engine = self._engine_of(view, copy_moving(view.arrays))
+            passes.append(ModelPass(one.number, engine, self._context_of(view)))
+        return PassEngine(first, arrays, passes)
+
+    def _engine_of(
+        self, state: FlockState, arrays: Arrays
+    ) -> SynchronousEngine | PairEngine | SequentialEngine:
+        """The compiled loop of a state's model over arrays."""
         space = Space(
             pad_to_space(self.world.size, float),
             pad_to_space(self.world.wraps, int),
             pad_to_space(self.world.images, int),
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
-        place = WorldContext(space, survey_world(self.world, self.sight))
+        place = WorldContext(space, survey_world(self.world, state.sight))
+        loop = loop_of(state.model, *self._loop_kind_of(state.model))
+        called = partial(call, state.model, self.interpret)
         if self.options.is_late:
             late = messages(self.options, self.dt)
-            module = delayed_module(self.loop)
-            return DelayedEngine(module, arrays, place, self.seed, late, self.call)
+            return DelayedEngine(delayed_module(loop), arrays, place, self.seed, late, called)
         if self.options.activation == "synchronous":
-            engine = PairEngine if self.of_pairs else SynchronousEngine
-            split_from = self.split_from or (pair_runner if self.of_pairs else runner).SPLIT_FROM
+            of_pairs = self._is_of_pairs(state.model)
+            engine = PairEngine if of_pairs else SynchronousEngine
+            split_from = self.split_from or (pair_runner if of_pairs else runner).SPLIT_FROM
             split = not self.interpret and len(arrays.ids) >= split_from
             threads = self.threads if split else 1
-            return engine(self.loop, arrays, place, self.seed, threads, self.call)
+            return engine(loop, arrays, place, self.seed, threads, called)
         is_random = self.options.activation == "random"
-        return SequentialEngine(
-            turns_module(self.loop), arrays, place, self.seed, is_random, self.call
-        )
+        return SequentialEngine(turns_module(loop), arrays, place, self.seed, is_random, called)
 
     def compile_tick(self) -> None:
         """Compile what ticks and `stray` call, or load it from the cache.
@@ -230,37 +281,78 @@ class Motion(FlockState):
             engine.run(self._context_with_wind(1), self.tick, 1)
             self.stray()
 
-    def call(self, function: Callable, *arguments: Any) -> Any:
-        """Call a compiled function of the model, as plain Python where that is asked for."""
-        return call(self.model, self.interpret, function, *arguments)
-
     def _make_context(self) -> Context:
-        self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
-        noise = VECTORIAL if self.options.noise == "vectorial" else ANGULAR
-        values = {NOISE: 0.0, **as_floats(self.parameters)}
+        self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
+        self.passing = next(iter(self._passing_settings.values()), "")
+        return self._context_of(self)
+
+    @property
+    def _passing_settings(self) -> dict[str, str]:
+        """The settings with which agents go through what is solid here, by the names of models."""
+        if not self.world.is_solid:
+            return {}
+        models = [(self.model, self.parameters)]
+        models += [(one.model, one.parameters) for one in self.kind_models]
+        settings = {model.name: model.passing(parameters) for model, parameters in models}
+        return {name: setting for name, setting in settings.items() if setting}
+
+    def _context_of(self, state: FlockState) -> Context:
+        """What every agent goes by that has the model of a state."""
+        model = state.model
+        noise = model.rule.noise if state.viewed_kind and model.rule.noise else self.options.noise
+        values = {NOISE: 0.0, **as_floats(state.parameters)}
         if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
             values = {name: np.float64(value) for name, value in values.items()}
-        self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
-        numbers = self.loop.P(**values)
+        numbers = loop_of(model, *self._loop_kind_of(model)).P(**values)
         unbounded = numbers
         if self.nearest:
-            unbounded = numbers._replace(**{self.model.bound: np.float64(np.inf)})
-        reach = self._largest(self.model.rule.reach)
-        relations = self.kinds.to_array(reach) if self.kinds.kinds else NO_RELATIONS
+            unbounded = numbers._replace(**{model.bound: np.float64(np.inf)})
+        relations = NO_RELATIONS
+        if self.kinds.kinds:
+            reach = state._largest(model.rule.reach)
+            relations = self.kinds.to_array(reach, state.viewed_kind)
         return Context(
-            numbers, noise, self.reach, self.dt, NO_WIND, 0, unbounded, self.nearest, relations
+            numbers,
+            VECTORIAL if noise == "vectorial" else ANGULAR,
+            state.reach_of_model,
+            self.dt,
+            NO_WIND,
+            0,
+            unbounded,
+            self.nearest,
+            relations,
         )
 
     def context_of(self, row: int) -> Context:
         """What the agent of a row goes by, with its own parameters as if all shared them."""
         if not self.differing:
             return self.context
-        own = {name: float(column[row]) for name, column in self.own.items()}
-        heard = {name: value for name, value in own.items() if name != self.model.bound}
-        return self.context._replace(
-            parameters=self.context.parameters._replace(**own),
-            unbounded=self.context.unbounded._replace(**(heard if self.nearest else own)),
+        one, context, model = self.kind_model_of(row), self.context, self.model
+        if one is not None:
+            context, model = self._pass_of(row).context, one.model
+        own = {
+            name: float(column[row])
+            for name, column in self.own.items()
+            if name in model.individual and not np.isnan(column[row])
+        }
+        heard = {name: value for name, value in own.items() if name != model.bound}
+        return context._replace(
+            parameters=context.parameters._replace(**own),
+            unbounded=context.unbounded._replace(**(heard if self.nearest else own)),
         )
+
+    def surroundings_of(self, row: int) -> Surroundings:
+        """What stands around, as the agent of a row notices it."""
+        if self.kind_model_of(row) is None:
+            return self.engine.surroundings
+        return self._pass_of(row).engine.surroundings
+
+    def _pass_of(self, row: int) -> ModelPass:
+        """The pass in which an agent acts whose kind has a model of its own."""
+        assert isinstance(self.engine, PassEngine)
+        own_pass = self.engine.pass_of(self.arrays.kind[row])
+        assert own_pass is not None
+        return own_pass
 
     def _context_with_wind(self, ticks: int) -> Context:
         """What agents go by in the next ticks, the wind with it."""
@@ -296,11 +388,11 @@ class Motion(FlockState):
             for name in self.kinds.names
             if self.kinds.catchers and name not in never and not len(self.rows_of(name))
         ]
-        if self.passing:
+        for name, setting in self._passing_settings.items():
             warnings.insert(
                 0,
-                f"{self.model.name} with {self.passing}: agents go through obstacles and solid "
-                "edges, as in the literal text of its paper",
+                f"{name} with {setting}: agents go through obstacles and solid edges, as in the "
+                "literal text of its paper",
             )
         return "; ".join(warnings)
 
@@ -356,7 +448,14 @@ class Motion(FlockState):
     @property
     def is_compiled(self) -> bool:
         """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
-        return self.interpret or DISABLED or is_compiled(self.engine.module)
+        return self.interpret or DISABLED or all(map(is_compiled, self._modules))
+
+    @property
+    def _modules(self) -> list[ModuleType]:
+        """The modules that its engine calls."""
+        engine = self.engine
+        passes = engine.passes if isinstance(engine, PassEngine) else ()
+        return [engine.module, *(one.engine.module for one in passes)]
 
     def set(self, **values: Unpack[ParameterWords]) -> None:
         """Change parameters of the running flock. Raises InputError, and then changes nothing.
@@ -369,18 +468,29 @@ class Motion(FlockState):
         parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **shared})
         if self.kinds.kinds and self.model.nearest(parameters):
             raise InputError(NOT_NEAREST)
+        demand_kind_models(self.model, parameters, self.kinds)
         remaining = {name: d for name, d in self.individuals.items() if name not in values}
         self.model.demand_individual(individuals)
         new = remaining | individuals
         own = self._own_of(self.ids, parameters, individuals, new, self.arrays.kind, self.kinds)
         for name in remaining:  # as they are: some may have been set by hand
-            column = self.model.individual.index(name)
+            column = self.own_columns.index(name)
             own[:, column] = self.arrays.own[:, column]
+        if self.kind_models:
+            own[~self.goes_by_model] = self.arrays.own[~self.goes_by_model]
         by_hand = {name: BY_HAND for name, d in individuals.items() if d.kind == "each"}
         self._take_own(parameters, new | by_hand, own, old_loop)
 
     def set_own(self, row: int, name: str, value: Any) -> None:
         """Give the agent of a row its own number of a parameter. Raises InputError."""
+        if (one := self.kind_model_of(row)) is not None:
+            checked(one.model.parameters, {**one.parameters.model_dump(), name: value})
+            one.model.demand_individual({name: BY_HAND})
+            own = self.arrays.own.copy()
+            own[row, self.own_columns.index(name)] = float(value)
+            self.kinds = self.kinds.with_kind(one.kind.with_parameters({name: BY_HAND}))
+            self._take_own(self.parameters, self.individuals, own, self.loop)
+            return
         checked(self.model.parameters, {**self.parameters.model_dump(), name: value})
         self.model.demand_individual({name: BY_HAND})
         individuals = {**self.individuals, name: BY_HAND}
@@ -388,7 +498,7 @@ class Motion(FlockState):
         if not own.shape[1]:
             own = self._own_of(self.ids, self.parameters, {}, individuals, self.arrays.kind)
         own = own.copy()
-        own[row, self.model.individual.index(name)] = float(value)
+        own[row, self.own_columns.index(name)] = float(value)
         self._take_own(self.parameters, individuals, own, self.loop)
 
     def _own_of(
@@ -400,51 +510,55 @@ class Motion(FlockState):
         kind: np.ndarray,
         before: KindTable = NO_KINDS,
     ) -> np.ndarray:
-        """The agents' own parameters (N, Q) of `model.individual`; (N, 0) where none differs.
+        """The agents' own parameters (N, Q) of `own_columns`; (N, 0) where none differs.
 
         Those of `drawn` are drawn by identity, all others are shared, unless a kind has its own;
         `kind` is the number of each agent's, (N,) or (0,). Kinds keep the numbers that the kinds
-        `before` had from the same distribution: some may have been set by hand. Raises InputError.
+        `before` had from the same distribution: some may have been set by hand. Who has a model
+        without a parameter has nan of it. Raises InputError.
         """
         if not individuals and not self.kinds.kinds:
             return np.empty((len(ids), 0))
-        numbers = [float(getattr(parameters, name)) for name in self.model.individual]
-        own = np.tile(numbers, (len(ids), 1))
+        columns, own_models = self.own_columns, {one.number: one for one in self.kind_models}
+        numbers = kind if len(kind) else np.zeros(len(ids))
+        shared = shared_numbers(self.model, parameters, self.kinds, numbers)
+        own = shared.copy()
 
-        def draw(rows: np.ndarray, name: str, distribution: Distribution, title: str) -> None:
-            bounds = self._bounds(name)
+        def draw(
+            rows: np.ndarray, model: Model, name: str, distribution: Distribution, title: str
+        ) -> None:
+            bounds = bounds_of(model, name)
             column, redrawn = draw_values(distribution, self.seed, name, ids[rows], bounds)
-            own[rows, self.model.individual.index(name)] = column
+            own[rows, columns.index(name)] = column
             self.redrawn = {**self.redrawn, title: redrawn}
             self.drawn = {**self.drawn, title: len(rows)}
 
         for name, distribution in drawn.items():
             rows = np.arange(len(ids))
             if distribution.kind != "each":
-                rows = rows[~np.isin(kind, self.kinds.numbers_with(name))] if len(kind) else rows
+                others = [*self.kinds.numbers_with(name), *own_models]
+                rows = rows[~np.isin(numbers, others)]
             if not distribution.is_by_hand:
-                draw(rows, name, distribution, name)
+                draw(rows, self.model, name, distribution, name)
         known = {one.name: one.parameters for one in before.kinds}
         for number, one in enumerate(self.kinds.kinds, 1):
-            rows = np.flatnonzero(kind == number)
-            for name, value in one.parameters.items():
+            rows, model, values = np.flatnonzero(numbers == number), self.model, one.parameters
+            if number in own_models:
+                model, values = own_models[number].model, own_models[number].own_numbers
+                own[rows] = shared[rows]  # what ordinary agents differ in is theirs alone
+            for name, value in values.items():
                 if known.get(one.name, {}).get(name) == value:
-                    column = self.model.individual.index(name)
+                    column = columns.index(name)
                     own[rows, column] = self.arrays.own[rows, column]
                 elif len(rows):
                     distribution = value if isinstance(value, Distribution) else normal(value, 0.0)
-                    draw(rows, name, distribution, f"{name} of {one.name}")
+                    draw(rows, model, name, distribution, f"{name} of {one.name}")
         return own
-
-    def _bounds(self, name: str) -> tuple[float, float]:
-        """The least and the largest number that a parameter may be."""
-        declaration = describe(name, self.model.parameters.model_fields[name])
-        assert isinstance(declaration, NumberParameter)
-        return declaration.bounds
 
     def _demand_kinds(self, kinds: KindTable) -> None:
         """Raise InputError for kinds that this flock's model cannot have."""
-        demand_kinds(self.model, self.parameters, kinds)
+        spec, world = self._beginning
+        demand_kinds(self.model, self.parameters, kinds, spec, world.dim)
 
     def _no_wishes(self, n: int) -> np.ndarray:
         """What n agents are told to wish where some kind is steered: nothing yet. `Arrays.wish`."""
@@ -510,6 +624,8 @@ class Motion(FlockState):
             self._end_tick()
             self._engine = None
         self._make_past()
+        if isinstance(self._engine, PassEngine):  # its passes have numbers of their own
+            self._engine = None
         if isinstance(self._engine, StripEngine):  # strides may be longer
             self._engine = None
 
@@ -695,8 +811,18 @@ class Motion(FlockState):
         return self.snapshot(copy=False, signals=name in self.model.signals).signal(name)
 
 
-def demand_kinds(model: Model, parameters: Parameters, kinds: KindTable) -> None:
-    """Raise InputError for kinds that flocks of a model with these parameters cannot have."""
+def bounds_of(model: Model, name: str) -> tuple[float, float]:
+    """The least and the largest number that a parameter of a model may be."""
+    declaration = describe(name, model.parameters.model_fields[name])
+    assert isinstance(declaration, NumberParameter)
+    return declaration.bounds
+
+
+def demand_kinds(
+    model: Model, parameters: Parameters, kinds: KindTable, options: Options, dim: int
+) -> None:
+    """Raise InputError for kinds that flocks of a model with these parameters cannot have, which
+    act by these options in so many dimensions."""
     if kinds.kinds and model.nearest(parameters):
         raise InputError(NOT_NEAREST)
     known = model.rule.kinds
@@ -706,12 +832,15 @@ def demand_kinds(model: Model, parameters: Parameters, kinds: KindTable) -> None
             f"come first, {', '.join(known)}"
         )
     for kind in kinds.kinds:
+        if kind.model:
+            continue
         try:
             numbers = split_individuals(kind.parameters)[0]
             model.demand_individual(numbers)
             checked(model.parameters, {**parameters.model_dump(), **numbers})
         except InputError as error:
             raise InputError(f"kind {kind.name}: {error}") from None
+    demand_kind_models(model, parameters, kinds, options, dim)
 
 
 def pad_to_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:

@@ -14,7 +14,8 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.engine.heeding import OWN
 from agents.individuals import Distribution, each
-from agents.kinds import ALIASES, INFORMED, NO_KINDS, KindTable
+from agents.kind_models import KindModel, evaluate_parameters, kind_models, own_columns
+from agents.kinds import ALIASES, INFORMED, NO_KINDS, Kind, KindTable
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
@@ -55,6 +56,8 @@ class FlockState:
     arrays: Arrays
     tick: int
     seed: int
+    next_id: int
+    """The identity that the next agent will have."""
     seen: np.ndarray | None = None
     """Of tracks that are played: which individuals are seen at this tick, (N,) bool. None: all."""
     hollow: np.ndarray | None = None
@@ -77,6 +80,42 @@ class FlockState:
     """The kinds of agents beside the ordinary ones, and whom each heeds."""
     catches: Passages = NOBODY
     """Who was caught so far: when, its identity, that of the catcher (`gate`), and where."""
+    viewed_kind: int = 0
+    """The number of the kind whose own model `model`, `parameters` and `own` are of, as if all went
+    by it: see `Snapshot.by_kind_model`. 0: they are the flock's."""
+
+    @property
+    def kind_models(self) -> tuple[KindModel, ...]:
+        """The models that kinds have of their own; none where all are taken to go by `model`."""
+        return () if self.viewed_kind else kind_models(self.kinds)
+
+    @property
+    def own_columns(self) -> tuple[str, ...]:
+        """The parameters that the columns of `arrays.own` hold, where agents differ."""
+        return own_columns(self.model, self.kind_models)
+
+    @property
+    def parameter_names(self) -> set[str]:
+        """Those of all models that its agents go by."""
+        models = (self.model, *(one.model for one in self.kind_models))
+        return {name for model in models for name in model.parameters.model_fields}
+
+    @property
+    def goes_by_model(self) -> np.ndarray:
+        """Which agents go by `model`, and not by one that their kind has of its own, (N,) bool."""
+        if not self.kinds.with_model:
+            return np.ones(len(self.arrays.ids), bool)
+        if self.viewed_kind:
+            return self.arrays.kind == self.viewed_kind
+        return ~np.isin(self.arrays.kind, list(self.kinds.with_model))
+
+    def kind_model_of(self, row: int) -> KindModel | None:
+        """The own model of the kind of a row's agent; None where it goes by `model`."""
+        models = self.kind_models
+        if not models:
+            return None
+        number = int(self.arrays.kind[row])
+        return next((one for one in models if one.number == number), None)
 
     @property
     def kind_numbers(self) -> np.ndarray:
@@ -98,7 +137,10 @@ class FlockState:
     @property
     def differing(self) -> tuple[str, ...]:
         """The parameters that differ from agent to agent, or from kind to kind."""
-        of_kinds = (name for kind in self.kinds.kinds for name in kind.parameters)
+        if self.viewed_kind:
+            return self.model.individual
+        of_kinds = [name for one in self.kinds.kinds if not one.model for name in one.parameters]
+        of_kinds += [name for one in self.kind_models for name in one.model.individual]
         return tuple(dict.fromkeys([*self.individuals, *of_kinds]))
 
     def rows_of(self, kind: str) -> np.ndarray:
@@ -120,11 +162,13 @@ class FlockState:
     def own(self) -> dict[str, np.ndarray]:
         """The parameters that differ, by name: the number of each agent, (N,), to be read.
 
+        It is nan where the agent's kind has a model of its own without that parameter.
+
         `Flock.set` and the attributes of members change them.
         """
-        columns = {}
+        columns, names = {}, self.own_columns
         for name in self.differing:
-            column = self.arrays.own[:, self.model.individual.index(name)].view()
+            column = self.arrays.own[:, names.index(name)].view()
             column.flags.writeable = False
             columns[name] = column
         return columns
@@ -145,17 +189,46 @@ class FlockState:
         what they were drawn from; a run that is given these has the same."""
         own = self.own
         return self.parameters.model_dump() | {
-            name: each(own[name]) if one.is_by_hand else one
+            name: self._numbers_by_hand(own[name], getattr(self.parameters, name))
+            if one.is_by_hand
+            else one
             for name, one in self.individuals.items()
             if len(self.ids) or not one.is_by_hand
         }
 
+    @staticmethod
+    def _numbers_by_hand(numbers: np.ndarray, shared: float) -> Distribution:
+        """Each agent's number; of those whose model has not this parameter the shared one."""
+        return each(np.where(np.isnan(numbers), shared, numbers))
+
+    @property
+    def all_kinds(self) -> tuple[Kind, ...]:
+        """The kinds with the numbers of their agents, where these were set one by one."""
+        if not self.kind_models:
+            return self.kinds.kinds
+        own, kinds = self.own, list(self.kinds.kinds)
+        for one in self.kind_models:
+            numbers = {
+                name: each(own[name][self.arrays.kind == one.number])
+                for name, value in one.kind.parameters.items()
+                if isinstance(value, Distribution) and value.is_by_hand
+                if (self.arrays.kind == one.number).any()
+            }
+            if numbers:
+                kinds[one.number - 1] = one.kind.with_parameters(numbers)
+        return tuple(kinds)
+
     def parameters_of(self, row: int) -> Parameters:
-        """The parameters of the agent of a row."""
+        """The parameters of the agent of a row, of its kind's own model where it has one."""
         if not self.differing:
             return self.parameters
-        return self.parameters.model_copy(
-            update={name: float(column[row]) for name, column in self.own.items()}
+        one = self.kind_model_of(row)
+        names = (self.model if one is None else one.model).individual
+        own = {name: float(column[row]) for name, column in self.own.items() if name in names}
+        parameters = self.parameters if one is None else one.parameters
+        # Of who was caught and stands still nobody knows its kind, so it may lack some.
+        return parameters.model_copy(
+            update={name: number for name, number in own.items() if not math.isnan(number)}
         )
 
     def _evaluate(
@@ -163,31 +236,27 @@ class FlockState:
     ) -> np.ndarray:
         """What a function of the parameters gives for each agent, (N,).
 
-        `table`: the agents' own parameters, by default as they are now.
+        `table`: the agents' own parameters, by default as they are now. Who does not go by `model`
+        is counted as if it did.
         """
         table = self.arrays.own if table is None else table
-        names = self.model.parameters_read(function) & set(self.differing)
-        columns = [self.model.individual.index(name) for name in names]
-        if not columns:
-            return np.full(len(table), float(function(self.parameters)))
-        rows, inverse = np.unique(table[:, columns], axis=0, return_inverse=True)
-        values = [
-            float(function(self.parameters.model_copy(update=dict(zip(names, row, strict=True)))))
-            for row in rows.tolist()
-        ]
-        return np.array(values, float)[inverse.reshape(-1)]
+        names, differing = self.own_columns, set(self.differing)
+        columns = {name: table[:, names.index(name)] for name in differing if table.shape[1]}
+        return evaluate_parameters(function, self.model, self.parameters, columns, len(table))
 
     def _largest(self, name: str) -> float:
-        """The largest number that agents have of a parameter, or of a property of parameters."""
+        """The largest number of a parameter, or of a property of parameters, among those who go by
+        `model`."""
         shared = float(getattr(self.parameters, name))
         if not self.differing:
             return shared
+        rows = self.goes_by_model
         if name in self.differing:
-            return float(self.own[name].max(initial=-math.inf)) if len(self.ids) else shared
+            return float(self.own[name][rows].max()) if rows.any() else shared
         computed = getattr(type(self.parameters), name, None)
-        if not isinstance(computed, property) or computed.fget is None or not len(self.ids):
+        if not isinstance(computed, property) or computed.fget is None or not rows.any():
             return shared
-        return float(self._evaluate(computed.fget).max())
+        return float(self._evaluate(computed.fget)[rows].max())
 
     @property
     def has_turnover(self) -> bool:
@@ -251,11 +320,25 @@ class FlockState:
     @property
     def reach(self) -> float:
         """The largest distance at which agents notice each other, length."""
+        others = (self._by_kind_model(one).reach for one in self.kind_models)
+        return max(self.reach_of_model, *others, self.kinds.radius)
+
+    @property
+    def reach_of_model(self) -> float:
+        """The largest distance at which those notice others who go by `model`, length."""
         return max(self._largest(self.model.rule.reach), self.kinds.radius)
 
     @property
     def reaches(self) -> np.ndarray:
         """How far each agent notices others, (N,), length."""
+        reaches = self._reaches_by_model()
+        for one in self.kind_models:
+            rows = self.arrays.kind == one.number
+            reaches[rows] = self._by_kind_model(one)._reaches_by_model()[rows]
+        return reaches
+
+    def _reaches_by_model(self) -> np.ndarray:
+        """How far each would notice others that goes by `model`, (N,), length."""
         name = self.model.rule.reach
         if name in self.differing:
             return self.own[name].copy()
@@ -263,6 +346,29 @@ class FlockState:
         if not isinstance(computed, property) or computed.fget is None:
             return np.full(len(self.ids), self._largest(name))
         return self._evaluate(computed.fget)
+
+    def _by_kind_model(self, one: KindModel) -> Snapshot:
+        """The flock as if all its agents went by the model of a kind, with the kind's parameters.
+
+        Agents of other kinds have what those of this kind share; who stands where stays.
+        """
+        names, columns = one.model.individual, self.own_columns
+        own = self.arrays.own[:, [columns.index(name) for name in names]]
+        own[self.arrays.kind != one.number] = [getattr(one.parameters, name) for name in names]
+        return Snapshot(
+            one.model,
+            self.world,
+            one.parameters,
+            self.seed,
+            self.tick,
+            self.arrays._replace(own=np.ascontiguousarray(own)),
+            self.next_id,
+            entries=self.entries,
+            exits=self.exits,
+            kinds=self.kinds,
+            catches=self.catches,
+            viewed_kind=one.number,
+        )
 
     @property
     def nearest(self) -> int:
@@ -334,6 +440,7 @@ class Snapshot(FlockState):
     individuals: Mapping[str, Distribution] = field(default_factory=dict)
     kinds: KindTable = NO_KINDS
     catches: Passages = NOBODY
+    viewed_kind: int = 0
 
     @property
     def crashes(self) -> Crashes:
@@ -360,12 +467,14 @@ class Snapshot(FlockState):
     def _links(self) -> np.ndarray:
         if self.nearest:
             return nearest_links(self.position, self.nearest, self.world.size, self.world.images)
+        own = self.reaches if self.kind_models else self.own.get(self.model.rule.reach)
         reach = self._largest(self.model.rule.reach)
+        if self.kind_models:
+            reach = float(self.reaches.max(initial=0.0))
         pairs = links(self.position, reach, self.world.size, self.world.images)
         if self.kinds.kinds:
             i, j = pairs.T
             pairs = pairs[self.heeds(i, j) | self.heeds(j, i)]
-        own = self.own.get(self.model.rule.reach)
         if own is None:
             return pairs
         i, j = pairs.T
@@ -398,6 +507,23 @@ class Snapshot(FlockState):
     def of(self, rows: np.ndarray) -> Snapshot:
         """The agents of some rows, as if there were no others."""
         return replace(self, arrays=select_rows(self.arrays, rows), whole=self.whole or self)
+
+    def by_model_of(self, row: int) -> Snapshot:
+        """The flock as if all went by the model of a row's agent: itself, or by that of its kind.
+
+        So what asks a flock for its model and its parameters asks for this agent's.
+        """
+        one = self.kind_model_of(row)
+        if one is None:
+            return self
+        return replace(self._by_kind_model(one), with_signals=self.with_signals)
+
+    def of_kind(self, kind: str) -> Snapshot:
+        """The agents of a kind, as if there were no others, with the model that they go by. Raises
+        InputError."""
+        rows = self.rows_of(kind)
+        models = {one.kind.name: one for one in self.kind_models}
+        return (self._by_kind_model(models[kind]) if kind in models else self).of(rows)
 
     def measurable(self) -> Snapshot:
         """The agents that observables see: those that have not crashed.

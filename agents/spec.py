@@ -258,6 +258,12 @@ class Spec(Options):
         """All agents of kinds beside the ordinary one."""
         return sum(kind.agents for kind in self.kinds)
 
+    @property
+    def models(self) -> tuple[str, ...]:
+        """The names of all models that its agents go by, the flock's own the first."""
+        of_kinds = (kind.model for kind in self.kinds if kind.model)
+        return tuple(dict.fromkeys((self.model, *of_kinds)))
+
     def but(self, **changes: Any) -> Spec:
         """The same run with some things changed. Raises InputError."""
         return Spec(**{**dict(self), **changes})

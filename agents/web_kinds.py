@@ -43,6 +43,11 @@ HEAVIEST = 5.0
 
 def demand_kinds_in_page(flock: Flock) -> None:
     """Raise InputError for kinds of agents that a page cannot fly."""
+    for kind in flock.kinds.with_model.values():
+        raise InputError(
+            f"kind {kind.name} has a model of its own, {kind.model}: in a page that runs by itself "
+            "all agents go by one"
+        )
     steered = [kind.name for kind in flock.kinds.kinds if kind.steered]
     if steered:
         raise InputError(

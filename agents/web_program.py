@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from agents.engine.pairs.pair_runner import PairEngine
+from agents.engine.pass_engine import PassEngine
 from agents.engine.runner import SynchronousEngine
 from agents.flock import Flock
 from agents.individuals import normal, split_individuals
@@ -347,7 +348,7 @@ def first_call(flock: Flock) -> CallStopped:
         raise CallStopped(function, arguments)
 
     engine = flock.engine
-    assert not isinstance(engine, StripEngine)
+    assert not isinstance(engine, StripEngine | PassEngine)
     called, engine.called = engine.called, stop
     try:
         flock.advance(1)
@@ -398,8 +399,10 @@ def survey_for_sliders(flock: Flock) -> None:
     if differs(flock):
         sight = flock.model.body.sight or flock.model.rule.reach
         farthest = float(getattr(farthest_parameters(flock), sight))
-        if farthest > flock.engine.surroundings.reach:
-            flock.engine.surroundings = survey_world(flock.world, farthest)
+        engine = flock.engine
+        assert not isinstance(engine, PassEngine)
+        if farthest > engine.surroundings.reach:
+            engine.surroundings = survey_world(flock.world, farthest)
 
 
 def slider_parameters(flock: Flock, image: MemoryImage) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
@@ -19,7 +19,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from agents.engine.arrays import Arrays
-from agents.models.declare import NumberParameter, Parameters, declared
+from agents.kind_models import kind_models, own_columns, shared_numbers
+from agents.kinds import NO_KINDS, KindTable
+from agents.models.declare import NumberParameter, Parameters, declared, describe
 from agents.models.model import Model
 from agents.recordings.part_stream import PartStream
 from agents.snapshot import Snapshot
@@ -65,12 +67,12 @@ def columns_of(
     world: World,
     with_past: bool = False,
     individuals: Collection[str] = (),
-    kinds: Sequence[str] = (),
+    kinds: KindTable = NO_KINDS,
 ) -> list[Column]:
     """The columns that a run of a model in a world is recorded in, in their order.
 
-    `individuals`: the parameters that differ from agent to agent. `kinds`: the names of all kinds,
-    where there are several.
+    `individuals`: the parameters that differ from agent to agent, or that some have not. `kinds`:
+    all kinds of agents.
     """
     length, axes = model.in_units("length"), AXES[: world.dim]
     columns = [
@@ -90,13 +92,21 @@ def columns_of(
             Column(cause, "1", "what it touched: 1 another agent, 2 an obstacle or a wall, else 0"),
             *(Column(name, length, f"where it crashed, along {name[-1]}") for name in places),
         ]
-    if kinds:
-        numbers = ", ".join(f"{number} {name}" for number, name in enumerate(kinds))
-        columns.append(Column(KIND, "1", f"its kind: {numbers}; -1 caught, stands still"))
-    for declaration in declared(model.parameters):
-        if declaration.name in individuals:
-            meaning = f"the agent's own: {declaration.description}"
-            columns.append(Column(OWN + declaration.name, declaration.unit, meaning))
+    models = kind_models(kinds)
+    if kinds.kinds:
+        numbers = ", ".join(f"{number} {name}" for number, name in enumerate(kinds.names))
+        by_models = "".join(f"; {one.kind.name} goes by {one.model.name}" for one in models)
+        told = f"its kind: {numbers}; -1 caught, stands still{by_models}"
+        columns.append(Column(KIND, "1", told))
+    described: set[str] = set()
+    for one_model in (model, *(one.model for one in models)):
+        for declaration in declared(one_model.parameters):
+            if declaration.name in individuals and declaration.name not in described:
+                described.add(declaration.name)
+                meaning = f"the agent's own: {declaration.description}"
+                if models:
+                    meaning += "; nan where its model has none"
+                columns.append(Column(OWN + declaration.name, declaration.unit, meaning))
     columns += [Column(name, model.unit_of(name), kind(model, name)) for name in model.columns]
     if with_past:
         columns.append(Column(PAST, "1", "what messages on their way tell"))
@@ -281,7 +291,8 @@ def batch_of(flock: Snapshot, with_past: bool = False):
         }
     if flock.kinds.kinds:
         columns[KIND] = flock.arrays.kind.astype(np.int8)
-    columns |= {OWN + name: column.copy() for name, column in flock.own.items()}
+    own, names = flock.own, flock.own_columns
+    columns |= {OWN + name: own[name].copy() for name in names if name in own}
     for name, values in zip(flock.model.columns, flock.arrays.memory, strict=True):
         columns[name] = values.copy()
     past = flock.arrays.past
@@ -303,7 +314,7 @@ def metadata(spec: CompleteSpec, snapshot: Snapshot, names: Collection[str]) -> 
             snapshot.dt,
             PAST in names,
             snapshot.differing,
-            snapshot.kinds.names if snapshot.kinds.kinds else (),
+            snapshot.kinds,
         ),
     }
 
@@ -314,7 +325,7 @@ def describe_columns(
     dt: float,
     with_past: bool,
     individuals: Collection[str] = (),
-    kinds: Sequence[str] = (),
+    kinds: KindTable = NO_KINDS,
 ) -> dict[str, Any]:
     """Model, time, units and world of a recording, as JSON has them."""
     return {
@@ -439,32 +450,50 @@ def arrays_of(table, dim: int, flock_model: Model, origin: str) -> Arrays:
     return Arrays._make(np.ascontiguousarray(array) for array in arrays)
 
 
-def own_names(names: Collection[str], flock_model: Model) -> tuple[str, ...]:
+def own_names(names: Collection[str], model: Model, kinds: KindTable) -> tuple[str, ...]:
     """The parameters of which a table of these columns has each agent's own number."""
-    return tuple(name for name in flock_model.individual if OWN + name in names)
+    return tuple(name for name in own_columns(model, kind_models(kinds)) if OWN + name in names)
 
 
 def own_of(
-    table, flock_model: Model, parameters: Parameters, origin: str, whole: bool = False
+    table: Any,
+    model: Model,
+    parameters: Parameters,
+    origin: str,
+    kinds: KindTable = NO_KINDS,
+    kind: np.ndarray | None = None,
 ) -> np.ndarray:
     """The agents' own parameters (N, Q), `Arrays.own`, from the columns of a table.
 
-    `whole`: also where none differs. Raises InputError naming the row for a number outside of its
-    range.
+    `kind`: the number of each agent's, of all `kinds`. Raises InputError naming the row for a
+    number outside of its range, and for one of a parameter that the agent's model has not.
     """
-    names = own_names(table.column_names, flock_model)
-    if not names and not whole:
+    names = own_names(table.column_names, model, kinds)
+    if not names and not kinds.kinds:
         return np.empty((table.num_rows, 0))
-    numbers = [float(getattr(parameters, name)) for name in flock_model.individual]
-    own = np.tile(numbers, (table.num_rows, 1))
-    for declaration in declared(flock_model.parameters):
-        if declaration.name in names:
-            assert isinstance(declaration, NumberParameter)
-            column = table[OWN + declaration.name].to_numpy(zero_copy_only=False).astype(float)
-            low, high = declaration.bounds
-            outside = f"a {declaration.name} outside of {declaration.allowed}"
-            demand((column >= low) & (column <= high), outside, origin)
-            own[:, flock_model.individual.index(declaration.name)] = column
+    models, n = kind_models(kinds), table.num_rows
+    numbers = np.zeros(n) if kind is None or not len(kind) else kind
+    own = shared_numbers(model, parameters, kinds, numbers)
+    columns = own_columns(model, models)
+    of_others = np.isin(numbers, [one.number for one in models])
+    # Of who was caught and stands still nobody knows which kind it was of.
+    is_caught = (numbers < 0.0) & bool(models)
+    for name in names:
+        column = table[OWN + name].to_numpy(zero_copy_only=False).astype(float)
+        is_sound = np.isnan(column) | (is_caught & np.isfinite(column))
+        allowed = ""
+        for one, rows in (
+            (model, ~of_others & ~is_caught),
+            *((each.model, numbers == each.number) for each in models),
+        ):
+            if name in one.individual:
+                declaration = describe(name, one.parameters.model_fields[name])
+                assert isinstance(declaration, NumberParameter)
+                low, high = declaration.bounds
+                is_sound[rows] = ((column >= low) & (column <= high))[rows]
+                allowed = allowed or declaration.allowed
+        demand(is_sound, f"a {name} outside of {allowed}", origin)
+        own[:, columns.index(name)] = column
     return own
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from agents.individuals import BY_HAND
+from agents.kind_models import demand_kind_models, kind_models
 from agents.kinds import kind_table
 from agents.models.declare import checked
 from agents.models.model import Model
@@ -130,6 +131,7 @@ class SnapshotReader:
         self.entries, self.exits, self.catches = entries, exits, catches
         self.kinds = kind_table(spec.kinds, spec.to)
         self.parameters = checked(model.parameters, spec.parameters, self.origin)
+        demand_kind_models(model, self.parameters, self.kinds, spec, world.dim)
         self.groups: OrderedDict[int, Any] = OrderedDict()
 
     def last_tick_until(self, tick: float) -> int:
@@ -145,15 +147,16 @@ class SnapshotReader:
         table = self.rows(int(self.starts[place]), int(self.ends[place]))
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
         demand_usable(arrays, self.world, self.origin)
-        own = own_of(table, self.model, self.parameters, self.origin, bool(self.kinds.kinds))
-        names = own_names(table.column_names, self.model)
-        of_kinds = {name for kind in self.kinds.kinds for name in kind.parameters}
+        kind = kind_of(table, len(self.kinds.kinds), self.origin)
+        own = own_of(table, self.model, self.parameters, self.origin, self.kinds, kind)
+        names = own_names(table.column_names, self.model, self.kinds)
+        of_kinds = {name for one in self.kinds.kinds for name in one.parameters}
+        of_kinds |= {name for one in kind_models(self.kinds) for name in one.model.individual}
         individuals = {
             name: self.spec.individuals.get(name, BY_HAND)
             for name in names
             if name in self.spec.individuals or name not in of_kinds
         }
-        kind = kind_of(table, len(self.kinds.kinds), self.origin)
         entries = self.entries.until(tick)
         # The newest may have left again: no identity is given twice.
         newest = max(int(arrays.ids.max()), int(entries.id.max(initial=0)))

@@ -48,7 +48,8 @@ def listing(
 ) -> None:
     """List all names, one kind of things, or one thing in full.
 
-    `kinds` lists which models can have kinds of agents, and what agents cannot differ in.
+    `kinds` lists which models can have kinds of agents, or be the model of a kind, and what agents
+    cannot differ in.
     `kernels` lists what is compiled on this machine, and for which CPUs.
     """
     if what == "kinds":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,9 @@ from app.cli.terminal.console import REFUSED
 from app.cli.terminal.usage import PrintJson, Rules, first_of, model_name
 from worlds.input_error import InputError
 from worlds.number_text import counted
+
+if TYPE_CHECKING:
+    from agents.models.model import Model
 
 
 def model_names(models: list[str] | None) -> list[str] | None:
@@ -80,7 +83,8 @@ def describe_warming(model: str, before: bool, seconds: float) -> str:
 
 
 def list_differences() -> list[dict[str, Any]]:
-    """Of each model whether it can have kinds of agents, and what agents cannot differ in."""
+    """Of each model whether it can have kinds of agents, whether it can be the model of a kind, and
+    what agents cannot differ in."""
     from agents.catalogue import MODELS
 
     return [
@@ -90,6 +94,7 @@ def list_differences() -> list[dict[str, Any]]:
             if "neighbours" in model.parameters.model_fields
             else "yes",
             "known": list(model.rule.kinds),
+            "own_model": describe_own_model(model),
             "individual": list(model.individual),
             "shared": model.shared,
         }
@@ -97,11 +102,25 @@ def list_differences() -> list[dict[str, Any]]:
     ]
 
 
+def describe_own_model(model: Model) -> str:
+    """Whether a model can be that of a kind in flocks of other models, and what these share."""
+    from agents.kind_models import describe_known_kinds, reason_against
+
+    if reason := reason_against(model) or describe_known_kinds(model):
+        return f"no, {reason}"
+    tick, length = model.body.lasts(model.parameters()), model.in_units("length")
+    ticks = "in ticks" if model.body.unit == "ticks" else f"in ticks of {tick:g} {model.body.unit}"
+    lengths = "" if length == "length" else f", lengths in {length}"
+    metric = ", with neighbours=metric" if model.nearest(model.parameters()) else ""
+    return f"yes, {ticks}{lengths}{metric}"
+
+
 def describe_differences(models: list[dict[str, Any]]) -> list[str]:
     """What is told of them: a line for each model, one for each reason."""
     lines = []
     for row in models:
         lines.append(f"{row['model']:22} kinds: {row['kinds']}")
+        lines.append(f"{'':22} as the model of a kind: {row['own_model']}")
         if row["known"]:
             lines.append(f"{'':22} its rule knows: {', '.join(row['known'])}")
         by_reason: dict[str, list[str]] = {}

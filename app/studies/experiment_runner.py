@@ -151,7 +151,10 @@ def fingerprint(case: Case, settings: Settings) -> str:
     digest = hashlib.sha256(json.dumps([shared, versions()], sort_keys=True).encode())
     digest.update(json.dumps(flock.parameters.model_dump(), sort_keys=True).encode())
     digest.update(inspect.getsource(type(settings)).encode())
-    digest.update(flock.loop.cache_folder.name.encode())
+    for one in flock.kind_models:
+        digest.update(json.dumps(one.parameters.model_dump(), sort_keys=True).encode())
+    for loop in flock.loops:
+        digest.update(loop.cache_folder.name.encode())
     visited: set[int] = set()
     for kernel in settings.measured_by:
         feed(kernel, digest, visited)
@@ -380,7 +383,7 @@ def run_experiment(
         lambda: None,
         workers=workers,
         retry=retry,
-        is_own_code=not all(is_built_in(case.spec.model) for case in cases),
+        is_own_code=not all(is_built_in(name) for case in cases for name in case.spec.models),
         tell=tell,
         at=at,
     )

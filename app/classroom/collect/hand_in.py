@@ -137,8 +137,9 @@ def complete_run(spec: CompleteSpec, flock: Flock) -> str:
 
 def demand_answer(question: Question, spec: CompleteSpec) -> None:
     """Refuse a run that is no answer to a question. Raises InputError."""
-    if spec.model in FILES:
-        raise InputError(f"{spec.model} is a model of a file: hand in one of the catalogue's")
+    for name in spec.models:
+        if name in FILES:
+            raise InputError(f"{name} is a model of a file: hand in one of the catalogue's")
     if spec.start != "random":
         raise InputError(
             "this run began from given places: press Setup, which begins one that can be made again"

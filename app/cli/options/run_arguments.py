@@ -71,7 +71,8 @@ def parameter(name: str, option: Option) -> inspect.Parameter:
 
 OF_KINDS = {
     "kind": "A kind of agents beside the others, NAME=NUMBER, then its parameters and what it does "
-    "about others: shark=2,s=4,chase=flock,radius=5,catch=0.3. May be repeated",
+    "about others: shark=2,s=4,chase=flock,radius=5,catch=0.3; model=NAME gives it a model of its "
+    "own. May be repeated",
     "relation": "What the agents of a kind do about those of another, KIND:OTHER=DEED with its "
     "numbers: flock:shark=flee,weight=2,radius=3. May be repeated",
 }
@@ -121,6 +122,7 @@ def read_kind(text: str) -> Kind:
     deeds = {deed: str(values.pop(deed)) for deed in DEEDS if deed in values}
     details = {key: values.pop(key) for key in DETAILS if key in values}
     colour, start = values.pop("colour", ""), values.pop("start", None)
+    model = values.pop("model", "")
     if details and not deeds:
         raise InputError(
             f"{next(iter(details))} of kind {name} belongs to none of {', '.join(DEEDS)} (--kind)"
@@ -134,7 +136,7 @@ def read_kind(text: str) -> Kind:
     if start is not None:
         corners = [list(map(float, corner.split("x"))) for corner in str(start).split("..")]
         start = corners
-    return Kind(name, count, parameters=values, colour=str(colour), start=start, to=to)
+    return Kind(name, count, parameters=values, colour=str(colour), start=start, to=to, model=model)
 
 
 def read_relation(text: str) -> tuple[str, str, Relation]:

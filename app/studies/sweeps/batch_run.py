@@ -13,6 +13,7 @@ from agents.catalogue import is_built_in
 from agents.flock import Flock, seed_from
 from agents.flock_world import LARGEST_DRAWN
 from agents.individuals import Distribution
+from agents.kinds import as_kinds
 from agents.observables.catalogue import BUILT_IN
 from agents.option import whole_number
 from agents.spec import DEFAULT, Spec
@@ -62,8 +63,11 @@ class BatchJob:
     def is_own_code(self, words: Words) -> bool:
         """Whether a run calls code that is not flockscope's. Raises InputError."""
         model = words.get("model", self.model) or DEFAULT
-        name = model.model if isinstance(model, Spec) else str(model)
-        return not (is_built_in(name) and BUILT_IN.keys() >= set(words.get("collect", ())))
+        names = [*model.models] if isinstance(model, Spec) else [str(model)]
+        names += [one.model for one in as_kinds(words.get("kinds", ())) if one.model]
+        return not (
+            all(map(is_built_in, names)) and BUILT_IN.keys() >= set(words.get("collect", ()))
+        )
 
 
 def batch_run(

@@ -86,6 +86,10 @@ class Basis:
                 "world": flock.world.name,
                 "size": list(flock.world.size),
                 "parameters": flock.parameters.model_dump(),
+                **{
+                    f"parameters of {one.kind.name}": one.parameters.model_dump()
+                    for one in flock.kind_models
+                },
             },
             "ticks": self.making.ticks,
             "stop": until and [*until.says, until.hold, until.every],
@@ -100,6 +104,10 @@ class Basis:
         basis = {
             "versions": self.versions,
             f"the rule of {run.model}": flock.loop.cache_folder.name,
+            **{
+                f"the rule of {one.model.name}, of kind {one.kind.name}": loop.cache_folder.name
+                for one, loop in zip(flock.kind_models, flock.loops[1:], strict=True)
+            },
             f"the world {flock.world.name}": self.world(spec, flock.world),
             "how a flock starts": digest.hexdigest()[:12],
             **{f"the measure {name}": measure for name, measure in self.measures.items()},

@@ -229,7 +229,7 @@ def run_sweep(
 
 def is_own_code(sweep: Sweep) -> bool:
     """Whether its runs call a rule, a body or a measure that is not flockscope's."""
-    models = {sweep.base.model, *(cell.spec.model for cell in sweep.cells)}
+    models = {*sweep.base.models, *(name for cell in sweep.cells for name in cell.spec.models)}
     until = sweep.making.until
     observables = {measure.name for measure in sweep.making.measures}  # "": of a file
     observables |= {until.says.name} if until else set()

@@ -211,8 +211,9 @@ def read_run(values: dict[str, Any], origin: str) -> CompleteSpec:
     shared, individuals = split_individuals(parameters)
     checked_parameters = checked(model.parameters, shared, origin)
     model.demand_individual(individuals)
-    demand_kinds(model, checked_parameters, complete_kinds(model.rule.kinds, spec.kinds, spec.to))
     complete = preset_spec(**{**dict(spec), "parameters": parameters})
+    kinds = complete_kinds(model.rule.kinds, spec.kinds, spec.to)
+    demand_kinds(model, checked_parameters, kinds, complete, complete.dim)
     demand_bounded(complete)
     return complete
 
@@ -292,7 +293,7 @@ def read_look(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
     for name, value in values.items():
         if name not in LOOKS:
             raise unknown("look", name, LOOKS)
-        if name == "colour" and is_own_colour(value, find_model(spec.model)):
+        if name == "colour" and any(is_own_colour(value, find_model(one)) for one in spec.models):
             continue
         demand_offered(name, value, LOOKS[name])
     return values
@@ -475,6 +476,7 @@ def shell_kind(kind: Kind) -> str:
     'shark=2,v0=0.05,start=0x0..1x2.5'
     """
     parts = [f"{kind.name}={kind.agents}"]
+    parts += [f"model={kind.model}"] if kind.model else []
     parts += [f"{name}={shell_value(value)}" for name, value in kind.parameters.items()]
     if kind.colour:
         parts.append(f"colour={kind.colour}")

@@ -239,7 +239,7 @@ def conditions_of(
     parameters = checked(model.parameters, shared).model_dump() | individuals
     parameters |= {name: SEVERAL for name, value in given.items() if value is SEVERAL}
     kinds = kind_table(as_kinds(one.get("kinds", [])), relations(one.get("to", {})))
-    demand_kinds(model, checked(model.parameters, shared), kinds)
+    demand_kinds(model, checked(model.parameters, shared), kinds, spec, world.dim)
     return RunConditions(
         model,
         spec.seed,

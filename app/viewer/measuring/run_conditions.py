@@ -103,6 +103,8 @@ def kind_values(kinds: KindTable) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for kind in kinds.kinds:
         values[f"agents of {kind.name}"] = kind.agents
+        if kind.model:
+            values[f"model of {kind.name}"] = kind.model
         values |= {f"{name} of {kind.name}": value for name, value in kind.parameters.items()}
         if kind.start is not None:
             values[f"start of {kind.name}"] = f"{kind.start[0]} to {kind.start[1]}"

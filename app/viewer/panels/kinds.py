@@ -194,7 +194,9 @@ def describe_kinds(kinds: KindTable, frame: Frame | None) -> str:
         count = ""
         if frame is not None and frame.kind is not None and frame.kinds.names == kinds.names:
             count = f" <b>{np.count_nonzero(frame.kind == number)}</b>"
-        entries.append((f"{html.escape(name)}{count}", palette.css(colour)))
+        own = kinds.with_model.get(number)
+        by = "" if own is None else f", by {html.escape(own.model)}"
+        entries.append((f"{html.escape(name)}{count}{by}", palette.css(colour)))
     lines = "".join(f"<div>{html.escape(line)}</div>" for line in relation_words(kinds))
     return f'{key(entries, drawn=True)}<div class="fs-quiet">{lines}</div>'
 
@@ -439,6 +441,7 @@ class KindsPanel:
             related = [other for other in others if kinds.of(name, other).deed != "ignore"]
             if self.other.value not in related:
                 set_value(self.other, (related or list(others))[0])
+        self.offer_parameters(state)
         relation = kinds.of(name, self.other.value)
         is_own = name != ORDINARY
         for control in (self.number, self.colour, self.remove, self.parameter, self.own_place):
@@ -487,7 +490,11 @@ class KindsPanel:
             self.show(self.new_other, ORDINARY)
         if self.which.value in names[1:]:
             self.show(self.number, state.kinds.kind(self.which.value).agents)
-        model = MODELS[state.spec.model]
+
+    def offer_parameters(self, state: SimulationState) -> None:
+        """Offer the parameters of the model that the chosen kind goes by."""
+        own = next((one for one in state.kinds.kinds if one.name == self.which.value), None)
+        model = MODELS[state.spec.model if own is None or not own.model else own.model]
         self.own = {} if model.name in PLAYED else own_parameters(model)
         if tuple(self.parameter.options) != (tuple(self.own) or ("",)):
             self.parameter.options = tuple(self.own) or ("",)
@@ -504,8 +511,12 @@ class KindsPanel:
         if name == "radius":
             radius, frame = kinds.of(kind, self.other.value).radius, self.simulation.frame
             return (1.0 if frame is None else frame.reach) if radius is None else float(radius)
-        one = self.own[self.parameter.value].name
-        return centre(kinds.kind(kind).parameters.get(one, state.values[one]))
+        one = self.own[self.parameter.value]
+        chosen = kinds.kind(kind)
+        value = chosen.parameters.get(one.name)
+        if value is None or (isinstance(value, Distribution) and value.is_by_hand):
+            value = one.default if chosen.model else state.values[one.name]
+        return centre(value)
 
     def make_sliders(self, state: SimulationState, relation: Relation) -> None:
         """Make the sliders of what is chosen in place of those before."""

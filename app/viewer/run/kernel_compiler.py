@@ -154,7 +154,8 @@ def kind(flock: Flock) -> str:
     """What the time to compile is kept under: it goes by the model, its space and its turns."""
     solid = "-solid" if flock.world.is_solid else ""
     acts = "delayed" if flock.options.is_late else flock.options.activation
-    return f"{flock.model.name}-{flock.world.dim}d{solid}-{acts}"
+    names = [flock.model.name, *(one.model.name for one in flock.kind_models)]
+    return f"{'+'.join(dict.fromkeys(names))}-{flock.world.dim}d{solid}-{acts}"
 
 
 def estimate_compilation(kinds: Sequence[str]) -> CompileEstimate:

@@ -536,7 +536,8 @@ class SimulationThread:
     def go_on_under(self, name: str) -> None:
         """Go on with the flock as it is under the rule that the model of a name has by now."""
         run = self.run
-        if run is None or name not in self.state.models or isinstance(run, Playback):
+        names = {*self.state.models, *self.state.spec.models}
+        if run is None or name not in names or isinstance(run, Playback):
             return
         spec, beside = self.state.current_specs()
         stored = under_new_rule(spec, run.flock.snapshot(), self.building.build)

@@ -18,6 +18,7 @@ from agents.catalogue import model as find_model
 from agents.engine.arrays import Arrays
 from agents.engine.heeding import CAUGHT
 from agents.flock import Flock
+from agents.kind_models import kind_models, own_columns, shared_numbers
 from agents.kinds import complete_kinds, replace_kind
 from agents.models.declare import checked
 from agents.motion import demand_kinds
@@ -164,7 +165,7 @@ def resume(spec: CompleteSpec, saved: Snapshot, build: Callable[..., Flock], **m
     start = {"position": saved.position, "heading": saved.heading}
     # Without its kinds: of these some may have been caught, and fewer be left than it asks for.
     flock = build(spec.with_values(kinds=(), to={}), start=start, **more)
-    demand_kinds(flock.model, flock.parameters, saved.kinds)
+    demand_kinds(flock.model, flock.parameters, saved.kinds, spec, saved.world.dim)
     flock.options = spec
     flock.return_to(saved)
     return flock
@@ -185,14 +186,16 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
             kept[name] = getattr(checked(parameters, {name: run.parameters[name]}), name)
     kept |= {name: one for name, one in run.individuals.items() if name in kept}
     kinds = tuple(
-        replace_kind(one, parameters={k: v for k, v in one.parameters.items() if k in kept})
+        one
+        if one.model
+        else replace_kind(one, parameters={k: v for k, v in one.parameters.items() if k in kept})
         for one in now.kinds.kinds
     )
     spec = run.with_parameters(kept, world=now.world, layout=None, kinds=kinds)
     alone = spec.with_values(kinds=(), to={})
     flock = build(alone, start={"position": now.position, "heading": now.heading})
     table = complete_kinds(model.rule.kinds, kinds, now.kinds.to)
-    demand_kinds(model, flock.parameters, table)
+    demand_kinds(model, flock.parameters, table, run, now.world.dim)
     arrays, columns = flock.arrays._asdict(), now.model.columns
     for name, array in now.arrays._asdict().items():
         if name not in ("memory", "past", "own") and array.shape == arrays[name].shape:
@@ -205,11 +208,12 @@ def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]
         number = np.array([*map(table.names.index, now.kinds.names), CAUGHT])
         arrays["kind"] = number[now.kind_numbers]
     if table.kinds:
-        shared = [float(getattr(flock.parameters, name)) for name in model.individual]
-        arrays["own"] = np.tile(shared, (len(now.ids), 1))
+        arrays["own"] = shared_numbers(model, flock.parameters, table, arrays["kind"])
+    names = own_columns(model, kind_models(table))
     for name, column in now.own.items():
-        if name in model.individual and arrays["own"].shape[1]:
-            arrays["own"][:, model.individual.index(name)] = column
+        if name in names and arrays["own"].shape[1]:
+            is_known = ~np.isnan(column)
+            arrays["own"][is_known, names.index(name)] = column[is_known]
     then = replace(
         flock.snapshot(),
         tick=now.tick,

@@ -57,6 +57,8 @@ def kind_text(frame: Frame, row: int) -> str:
         return ""
     number = int(frame.kind[row])
     name = "caught" if number < 0 else f"kind {html.escape(frame.kinds.names[number])}"
+    if number in frame.kinds.with_model:
+        name += f", {html.escape(frame.kinds.with_model[number].model)}"
     colour = palette.css(palette.colours_by_kind(frame.kind[row : row + 1], frame.kinds)[0])
     return f'<span><i class="fs-dot fs-small" style="background:{colour}"></i>{name}</span>'
 
@@ -122,24 +124,31 @@ def facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
 
 def own_title(frame: Frame, row: int) -> str:
     """An agent's own number of a parameter, or how many it has."""
-    if len(frame.own) > 1:
-        return f"{len(frame.own)} numbers of its own"
-    ((name, column),) = frame.own.items()
-    return f"Its own {name}: {column[row]:.4g}"
+    numbers = own_numbers(frame, row)
+    if len(numbers) > 1:
+        return f"{len(numbers)} numbers of its own"
+    ((name, number),) = numbers.items()
+    return f"Its own {name}: {number:.4g}"
+
+
+def own_numbers(frame: Frame, row: int) -> dict[str, float]:
+    """An agent's own numbers by name, without those of parameters that its model has not."""
+    numbers = {name: float(column[row]) for name, column in frame.own.items()}
+    return {name: number for name, number in numbers.items() if not np.isnan(number)}
 
 
 def own_facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
     """An agent's own parameters beside what those of all are drawn from, words -> value."""
     listed: dict[str, str] = {}
-    for name, column in frame.own.items():
+    for name, number in own_numbers(frame, inspection.row).items():
         words, unit = name, ""
-        if inspection.model is not None:
+        if inspection.model is not None and name in inspection.model.parameters.model_fields:
             one = describe(name, inspection.model.parameters.model_fields[name])
             words = f"{one.words} {plain_symbol(one.symbol)}"
             unit = "" if one.unit == "1" else f" {one.unit}"
         drawn_from = source_of(frame, name, inspection.row)
         among = "" if drawn_from is None else f" of {drawn_from}"
-        listed[words] = f"{column[inspection.row]:.4g}{unit}{among}"
+        listed[words] = f"{number:.4g}{unit}{among}"
     return listed
 
 
@@ -148,8 +157,8 @@ def source_of(frame: Frame, name: str, row: int) -> Distribution | None:
     number = 0 if frame.kind is None else int(frame.kind[row])
     if number > 0 and name in frame.kinds.kinds[number - 1].parameters:
         value = frame.kinds.kinds[number - 1].parameters[name]
-        return value if isinstance(value, Distribution) else None
-    return frame.individuals.get(name)
+        return value if isinstance(value, Distribution) and not value.is_by_hand else None
+    return None if number in frame.kinds.with_model else frame.individuals.get(name)
 
 
 def vector(parts: object) -> str:

@@ -163,8 +163,9 @@ def scene_of(folder: Path, place: int, seed: int | None, column: str | None) -> 
             raise InputError(f"cell {place} of {folder.name} has no run yet")
         seed = int(row[1])
     spec = spec_at(StoreReader(folder), place, seed)
-    if spec.model in FILES:
-        raise InputError(f"{spec.model} is a model of a file: the page does not open it")
+    for name in spec.models:
+        if name in FILES:
+            raise InputError(f"{name} is a model of a file: the page does not open it")
     if isinstance(spec.world, str) and spec.world.endswith(".toml"):
         whole = preset_spec(**dict(spec))
         spec = spec.but(world=find_world(whole, find_model(spec.model)), size=None)
