@@ -7,6 +7,7 @@ what all agents show, its place, its heading and its speed; so nothing else may 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -194,6 +195,19 @@ def demand_kind_models(
                 f"{at}: its tick is {ticks[1]:g} {unit} and the flock's {ticks[0]:g} {unit}"
                 + (f": set {' or '.join(names)}" if names else "")
             )
+
+
+def fitting_models(
+    model: Model, parameters: Parameters, options: Options, dim: int
+) -> tuple[str, ...]:
+    """The names of other models that a kind of a flock may have as they are by default."""
+    names = []
+    for name in catalogue.MODELS:
+        table = KindTable((Kind("fitting", 1, model=name),), {})
+        with suppress(InputError):
+            demand_kind_models(model, parameters, table, options, dim)
+            names.append(name)
+    return tuple(name for name in names if name != model.name)
 
 
 def kind_models_named(kinds: KindTable) -> list[KindModel]:

@@ -448,11 +448,11 @@ class Motion(FlockState):
     @property
     def is_compiled(self) -> bool:
         """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
-        return self.interpret or DISABLED or all(map(is_compiled, self._modules))
+        return self.interpret or DISABLED or all(map(is_compiled, self.modules))
 
     @property
-    def _modules(self) -> list[ModuleType]:
-        """The modules that its engine calls."""
+    def modules(self) -> list[ModuleType]:
+        """The modules that its engine calls, one for each of its models."""
         engine = self.engine
         passes = engine.passes if isinstance(engine, PassEngine) else ()
         return [engine.module, *(one.engine.module for one in passes)]

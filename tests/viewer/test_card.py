@@ -194,6 +194,13 @@ def test_an_agent_tells_its_kind_and_what_that_has_as_its_own():
         assert f"kind {kind}" in head(frame, seen)
         (value,) = rows(folds(frame, seen)["own"][1]).values()
         assert value.endswith(f"of {source}")
+    other = Kind("robot", 1, model="leadership", parameters={"tau": 0.1, "omega": 0.7})
+    both = Flock(preset_spec("couzin", seed=3, agents=9, dim=2, kinds=[other]))
+    frame, seen = FrameBuilder(both, 1).build(), both.inspect(int(both.rows_of("robot")[0]))
+    assert "kind robot, leadership" in head(frame, seen)
+    own = rows(folds(frame, seen)["own"][1])
+    assert [value for name, value in own.items() if name.endswith("ω")] == ["0.7"]
+    assert len(own) == len(MODELS["leadership"].individual)
     flock.arrays.kind[2] = -1.0
     assert "caught" in head(FrameBuilder(flock, 1).build(), flock.inspect(2))
     alone = Flock("vem", agents=5, rng=1)

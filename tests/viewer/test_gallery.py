@@ -455,6 +455,20 @@ def test_kinds_come_back_from_a_file_an_address_and_words():
         assert np.array_equal(flock.own["s"], first.own["s"])
 
 
+def test_a_model_of_a_kinds_own_comes_back_from_a_file_an_address_and_words():
+    robot = Kind("robot", 2, model="leadership", parameters={"tau": 0.1, "s": normal(2.0, 0.1)})
+    spec = preset_spec("couzin", agents=6, dim=2, kinds=[robot])
+    scene = SavedScene("mine", spec, look={"colour": "own omega"})
+    for read in (SavedScene.from_toml(scene.to_toml(), "a file"), unpack_scene(pack_scene(scene))):
+        assert read.spec.kinds == (robot,)
+        assert read.look == scene.look
+    words = shlex.split(command_line(scene))
+    assert words[words.index("--kind") + 1].startswith("robot=2,model=leadership,tau=0.1,")
+    script: dict[str, object] = {}
+    exec(python(scene).replace("flock.run(100)", ""), script)
+    assert script["flock"].kinds.kinds == (robot,)
+
+
 def test_a_scene_without_kinds_says_nothing_of_them():
     scene = SavedScene("mine", preset_spec("vem", agents=6))
     assert "kinds" not in scene.to_toml()
@@ -470,6 +484,7 @@ def test_a_scene_without_kinds_says_nothing_of_them():
         ("kinds = [{name = 'a', to = {b = {flee = 1}}}]", r"unknown kind 'b' .*\(it\)"),
         ("kinds = [{name = 'a', agents = 200000}]", "with 200000 of kinds is not allowed"),
         ("kinds = [{name = 'a'}]\nparameters = {neighbours = 'nearest'}", "neighbours=metric"),
+        ("kinds = [{name = 'a', model = 'couzin'}]", "its unit of time is s, and that of vem"),
     ],
 )
 def test_kinds_that_cannot_be_are_refused_in_one_line(kinds, message):

@@ -330,5 +330,10 @@ def test_kinds_are_written_in_the_table_and_read_again():
     (again,) = read_again.runs
     assert again.course.history.steps == rows.rows[0].course.history.steps
     assert spec_of(again.course.conditions).kinds == (shark,)
+    robot = Kind("robot", 2, model="gregoire-chate", v0=0.05)
+    rows = kept(read(model="vem", agents=20, kinds=[robot]))
+    assert runs_table(rows.rows)["model of robot"] == ["gregoire-chate"]
+    (again,) = read_runs("it", runs_as_bytes(rows.rows)).runs
+    assert spec_of(again.course.conditions).kinds == (robot,)
     alone = kept(read(model="vem", agents=20), read(model="vem", agents=20, seed=2))
     assert all("kinds" not in one for one in run_values(alone.rows[0], "a")["stretches"])

@@ -16,6 +16,7 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from agents.catalogue import MODELS
 from agents.individuals import normal, uniform
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import UNWATCHED, Laboratory
@@ -366,9 +367,16 @@ def test_a_predator_is_added_tuned_undone_and_removed(laboratory, browser):
     until(lambda: any("kind 'two words' is" in said for said in laboratory.notices.shown))
     turn(browser, panel.new_name, "whale")
     turn(browser, panel.new_deed, "ignores")
+    assert {"gregoire-chate", "vicsek1995"} <= set(panel.new_model.options)
+    assert not {"couzin", "hwvem"} & set(panel.new_model.options)
+    turn(browser, panel.new_model, "gregoire-chate")
     press(browser, panel.add)
-    until(lambda: simulation.state.kinds.names == ("flock", "predator", "whale"))
+    until(lambda: simulation.state.kinds.names == ("flock", "predator", "whale"), COMPILED)
     until(lambda: panel.which.value == "whale")
+    until(lambda: "whale <b>2</b>, by gregoire-chate" in panel.listed.content, COMPILED)
+    assert panel.sliders["own"].value == MODELS["gregoire-chate"].parameters().v0
+    turn(browser, panel.sliders["own"], 0.07)
+    until(lambda: simulation.state.kinds.kind("whale").parameters == {"v0": 0.07})
     press(browser, panel.remove)
     until(lambda: simulation.state.kinds.names == ("flock", "predator"))
     seed = simulation.state.spec.seed

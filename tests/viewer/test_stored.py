@@ -284,8 +284,9 @@ def test_a_hunt_goes_on_from_its_state_is_played_and_keeps_its_kinds(tmp_path, c
     assert counts[-1] > counts[0]
 
 
-def test_a_rule_that_is_edited_keeps_kinds():
-    shark = Kind("shark", 2, v0=0.05, to={"flock": chase(2.0, 2.0)})
+@pytest.mark.parametrize("model", ["", "gregoire-chate"])
+def test_a_rule_that_is_edited_keeps_kinds(model):
+    shark = Kind("shark", 2, v0=0.05, to={"flock": chase(2.0, 2.0)}, model=model)
     flock = Flock(Spec("vem", agents=6, seed=3, kinds=[shark]))
     flock.run(2)
     stored = under_new_rule(flock.spec, flock.snapshot(), Flock)

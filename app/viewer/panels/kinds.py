@@ -13,9 +13,10 @@ import numpy as np
 import viser
 
 from agents.catalogue import MODELS, PLAYED
-from agents.individuals import Distribution
+from agents.individuals import Distribution, split_individuals
+from agents.kind_models import fitting_models
 from agents.kinds import ORDINARY, Kind, KindTable, Relation, chase, kind_table, replace_kind
-from agents.models.declare import NumberParameter, declared
+from agents.models.declare import NumberParameter, checked, declared
 from agents.models.model import Model
 from app.front.controls import set_value
 from app.viewer.panels.dials import Dials, plain_symbol, set_visible
@@ -40,6 +41,8 @@ CAUGHT = {
     "is only counted": "counted",
 }
 """What becomes of who is caught, as the page calls it."""
+FLOCK_MODEL = "as the flock"
+"""The choice of no model of its own."""
 BY_ITSELF = "by itself"
 COLOURS = {BY_ITSELF: "", **{name: palette.css(colour) for name, colour in palette.OWN.items()}}
 MOST_OF_A_KIND = 10_000
@@ -268,6 +271,12 @@ class KindsPanel:
                 self.new_number = gui.add_number(
                     "Agents", 2, min=1, max=MOST_OF_A_KIND, step=1, hint="How many of it"
                 )
+                self.new_model = gui.add_dropdown(
+                    "Goes by",
+                    (FLOCK_MODEL,),
+                    hint="The model that moves it: the flock's, or another one whose ticks and "
+                    "units are the same",
+                )
                 self.new_colour = gui.add_dropdown("Colour", tuple(COLOURS))
                 self.new_deed = gui.add_dropdown("It", tuple(DEEDS))
                 self.new_other = gui.add_dropdown("Whom", (ORDINARY,))
@@ -356,11 +365,13 @@ class KindsPanel:
             usual = predator(state, frame).to[ORDINARY]
             catch = usual.catch if deed == "chase" else 0.0
             relation = Relation(deed, usual.weight, usual.radius, catch=catch)
+        chosen = self.new_model.value
         return Kind(
             self.new_name.value.strip(),
             int(self.new_number.value),
             colour=COLOURS[self.new_colour.value],
             to={other: relation},
+            model="" if chosen == FLOCK_MODEL else chosen,
         )
 
     def begin_with(self, kind: Kind) -> None:
@@ -488,8 +499,22 @@ class KindsPanel:
                 set_value(self.which, names[-1])
             self.new_other.options = names
             self.show(self.new_other, ORDINARY)
+        models = FLOCK_MODEL, *self.models_for(state)
+        if tuple(self.new_model.options) != models:
+            self.new_model.options = models
+            self.show(self.new_model, FLOCK_MODEL)
         if self.which.value in names[1:]:
             self.show(self.number, state.kinds.kind(self.which.value).agents)
+
+    @staticmethod
+    def models_for(state: SimulationState) -> tuple[str, ...]:
+        """The models that a kind of this run may have of its own."""
+        model = MODELS[state.spec.model]
+        if model.name in PLAYED:
+            return ()
+        shared, _ = split_individuals(state.values)
+        parameters = checked(model.parameters, shared)
+        return fitting_models(model, parameters, state.spec, state.spec.dim)
 
     def offer_parameters(self, state: SimulationState) -> None:
         """Offer the parameters of the model that the chosen kind goes by."""

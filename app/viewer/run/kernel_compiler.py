@@ -70,7 +70,9 @@ class KernelCompiler:
 
     def __init__(self, flocks: Sequence[Flock]):
         self.kernels = frozenset(kernel(flock) for flock in flocks)
-        self.kept = all(flock.engine.module.advance.lock is not None for flock in flocks)
+        self.kept = all(
+            module.advance.lock is not None for flock in flocks for module in flock.modules
+        )
         """Whether there is a cache on disk that the process could fill."""
         self.specs = [single_agent_spec(flock) for flock in flocks]
         self.kinds = [kind(flock) for flock in flocks]
@@ -146,8 +148,8 @@ def call_all(flock: Flock) -> None:
 
 
 def kernel(flock: Flock) -> str:
-    """The name of a flock's compiled loop: another one for other functions or values in it."""
-    return flock.engine.module.__name__
+    """The names of a flock's compiled loops: others for other functions or values in them."""
+    return " ".join(module.__name__ for module in flock.modules)
 
 
 def kind(flock: Flock) -> str:
