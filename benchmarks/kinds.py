@@ -5,7 +5,8 @@
 
 Each contestant runs as many ticks in turn with the others, on one thread; its time is the shortest
 of the rounds. `one` has one parameter that differs, `all` every one that may, `kinds` one agent in
-fifty that chases the others, who flee.
+fifty that chases the others, who flee. `model` is the same with a model of its own for that kind:
+its ticks are as many of those of `kinds`.
 """
 
 from __future__ import annotations
@@ -27,6 +28,13 @@ SECONDS = 0.2
 """Of ticks that a contestant runs in a round, at least."""
 ALLOWED = 1.15
 """How many times longer a tick may take where agents differ."""
+OTHERS: dict[str, dict[str, Any]] = {
+    "vem": {"model": "gregoire-chate"},
+    "couzin": {"model": "reynolds", "dt": 0.1},
+    "dorsogna": {"model": "cucker-smale"},
+}
+"""The model that hunters have of their own in a flock of a model, with a tick as long; a model that
+is not here has none."""
 CASES = (
     *(("vem", n, "v0") for n in (1_000, 100_000)),
     *(("couzin", n, "s") for n in (1_000, 100_000)),
@@ -49,6 +57,8 @@ class Cost(NamedTuple):
     """How many times as long where all that may differ do."""
     kinds: float
     """How many times as long with hunters among them."""
+    own_model: float | None
+    """How many times as long as that where these have a model of their own."""
 
 
 def spread(model: str, names: tuple[str, ...]) -> dict[str, Any]:
@@ -73,6 +83,9 @@ def measure(model: str, agents: int, name: str) -> Cost:
     hunters = Kind("hunter", agents // 50, to={"flock": chase(1.0)})
     words = {"size": tuple(box), "world": "wrap", "rng": 1, "kinds": [hunters]}
     flocks.append(Flock(model, agents=agents - hunters.agents, **words))
+    if model in OTHERS:
+        words["kinds"] = [Kind("hunter", hunters.agents, to=hunters.to, **OTHERS[model])]
+        flocks.append(Flock(model, agents=agents - hunters.agents, **words))
     for flock in flocks:
         flock.run(2)
     begin = time.perf_counter()
@@ -85,7 +98,9 @@ def measure(model: str, agents: int, name: str) -> Cost:
             flock.run(ticks)
             least[k] = min(least[k], time.process_time() - begin)
     shared = least[0] / ticks / agents * 1e9
-    return Cost(model, agents, shared, *(seconds / least[0] for seconds in least[1:]))
+    one, every, kinds = (seconds / least[0] for seconds in least[1:4])
+    own_model = least[4] / least[3] if model in OTHERS else None
+    return Cost(model, agents, shared, one, every, kinds, own_model)
 
 
 def main() -> None:
@@ -96,12 +111,14 @@ def main() -> None:
     options = parser.parse_args()
     costs = []
     if not options.json:
-        print(f"{'model':10s}{'agents':>9s}{'ns':>9s}{'one':>7s}{'all':>7s}{'kinds':>7s}")
+        heads = "".join(f"{name:>7s}" for name in ("one", "all", "kinds", "model"))
+        print(f"{'model':10s}{'agents':>9s}{'ns':>9s}{heads}")
     for case in CASES:
         cost = measure(*case)
         costs.append(cost._asdict())
         if not options.json:
-            times = "".join(f"{ratio:7.2f}" for ratio in (cost.one, cost.all, cost.kinds))
+            ratios = cost.one, cost.all, cost.kinds, cost.own_model
+            times = "".join(f"{'':7s}" if ratio is None else f"{ratio:7.2f}" for ratio in ratios)
             print(f"{cost.model:10s}{cost.agents:9d}{cost.nanoseconds:9.0f}{times}")
     most = max(max(cost["one"], cost["all"]) for cost in costs)
     if options.json:
