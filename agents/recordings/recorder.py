@@ -96,8 +96,8 @@ def columns_of(
     if kinds.kinds:
         numbers = ", ".join(f"{number} {name}" for number, name in enumerate(kinds.names))
         by_models = "".join(f"; {one.kind.name} goes by {one.model.name}" for one in models)
-        told = f"its kind: {numbers}; -1 caught, stands still{by_models}"
-        columns.append(Column(KIND, "1", told))
+        meaning = f"its kind: {numbers}; -1 caught, stands still{by_models}"
+        columns.append(Column(KIND, "1", meaning))
     described: set[str] = set()
     for one_model in (model, *(one.model for one in models)):
         for declaration in declared(one_model.parameters):
