@@ -16,9 +16,10 @@ from app.classroom.student import Student
 from app.classroom.workers.page_worker import PageWorker, StudentPage
 from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ChildError, ProcessLostError
+from app.studies.run_axes import is_whole_axis
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_steps import SceneStep, step_spec
-from app.viewer.lab.sweeps.sweep_request import allowed, is_whole
+from app.viewer.lab.sweeps.sweep_request import allowed
 from worlds.input_error import InputError, unknown
 
 MOST_MODULES = 16
@@ -111,5 +112,5 @@ def moved_scene(
         low, high = allowed(spec.model, name)
         if not low <= value <= high:
             raise InputError(f"{name} = {value:g} is not in [{low:g}, {high:g}]")
-        parameters[name] = round(value) if is_whole(spec.model, name) else value
+        parameters[name] = round(value) if is_whole_axis(spec.model, name) else value
     return replace(scene, spec=spec.with_parameters(parameters)).to_toml()

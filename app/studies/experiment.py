@@ -23,7 +23,7 @@ from app.studies.experiment_file import (
     with_goal,
 )
 from app.studies.measure import Measure, Settings
-from app.studies.moments import value_of
+from app.studies.run_axes import value_of
 from worlds.input_error import unknown
 from worlds.layout import world as build_world
 from worlds.world import World

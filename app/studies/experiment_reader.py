@@ -21,7 +21,7 @@ from app.studies.experiment_file import (
 )
 from app.studies.figures import kinds, pictures
 from app.studies.key_lines import place
-from app.studies.moments import spec_with
+from app.studies.run_axes import spec_with
 from worlds.input_error import InputError, needed, unknown
 from worlds.text_file import toml
 

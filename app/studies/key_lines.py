@@ -48,7 +48,7 @@ DESIGN = re.compile(r"\s*\[\[\s*design\s*\]\]")
 OTHER = re.compile(r"\s*\[\[?\s*(?!design\s*\.)")
 NAMED = re.compile(
     r"unknown (?:parameter|key|option) '([^']*)'|"
-    r"(?:unknown )?([A-Za-z_][\w-]*(?:\.(?:mean|spread)\b)?)"
+    r"(?:unknown )?([A-Za-z_][\w-]*(?:\.[A-Za-z_][\w-]*)*)"
 )
 """What a refusal is about: the first word of it."""
 
@@ -88,8 +88,8 @@ def name_in_refusal(refusal: str) -> str:
     'eta'
     >>> name_in_refusal("unknown parameter 'p9' (known: p1)")
     'p9'
-    >>> name_in_refusal("s.spread = -1 is not allowed: a spread is >= 0")
-    's.spread'
+    >>> name_in_refusal("shark.s.spread = -1 is not allowed: a spread is >= 0")
+    'shark.s.spread'
     """
     match = NAMED.match(refusal)
     return match[match.lastindex or 0] if match else ""

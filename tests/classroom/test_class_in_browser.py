@@ -22,10 +22,10 @@ from app.classroom.flocks import Flocks
 from app.classroom.student import Role
 from app.classroom.workers.page_worker import first_question, named_sliders
 from app.cli.classroom import FlockPlace, runs_in_browser
+from app.studies.run_axes import number_parameters
 from app.viewer.gallery.lessons.lessons import lesson_names
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_collection import find_lesson
-from app.viewer.lab.sweeps.sweep_request import numbers
 from app.viewer.run.run_preset import preset_spec
 from tests.classroom.running import (
     BUSY,
@@ -358,7 +358,7 @@ def test_what_no_browser_can_run_is_one_line_at_the_start(tmp_path, monkeypatch,
 )
 def test_a_lesson_names_one_or_two_sliders(lesson, sliders):
     scene = find_lesson(lesson)
-    known = [one.name for one in numbers(scene.spec.model)]
+    known = [one.name for one in number_parameters(scene.spec.model)]
     assert named_sliders(first_question(scene), known) == sliders
 
 

@@ -16,8 +16,9 @@ import pytest
 
 from agents.flock import Flock
 from agents.individuals import normal
-from agents.kinds import Kind
+from agents.kinds import Kind, chase, flee, kind_table
 from app.studies.charts.run_group import CellRuns
+from app.studies.run_axes import AGENTS
 from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_locked
 from app.studies.runs.store_reader import StoreReader
@@ -37,7 +38,6 @@ from app.viewer.lab.sweeps.stored_sweeps import (
 )
 from app.viewer.lab.sweeps.sweep_chart import picture
 from app.viewer.lab.sweeps.sweep_request import (
-    AGENTS,
     MOST_CELLS,
     Axis,
     SweepRequest,
@@ -290,9 +290,10 @@ def test_what_the_command_refuses_is_said_and_leaves_nothing(tmp_path):
     sweeps.close()
 
 
-def store_of(folder: Path, text: str, runs: int, agents: int = 20) -> Path:
+def store_of(folder: Path, text: str, runs: int, agents: int = 20, **more: object) -> Path:
     with Store(folder, ["polarisation"]) as store:
-        cell = {"axes": {"eta": 0.1}, "identity": {"spec": {"agents": agents, "informed": None}}}
+        spec = {"agents": agents, "informed": None, **more}
+        cell = {"axes": {"eta": 0.1}, "identity": {"spec": spec}}
         (number,) = store.store_plan([("a", json.dumps(cell))])
         store.tell(kind="sweep", runs=runs, limit=100, columns=["polarisation"], axes=["eta"])
         store.add(number, 1, Outcome("ok", {"polarisation": 0.5}))
@@ -388,8 +389,85 @@ def test_a_sweep_around_agents_that_differ_says_so_in_its_file_and_refuses_that_
         replace(asked, axes=[Axis("s", 2.0, 4.0, 2)]).values()
 
 
-def test_a_sweep_from_the_page_has_no_kinds():
-    spec = preset_spec("vem", agents=9, kinds=[Kind("shark", 1)])
-    asked = SweepRequest(spec, [Axis("eta", 0.5, 1.5, 2)], "polarisation", 2, 10)
-    with pytest.raises(InputError, match=r"there are kinds of agents \(shark\): a sweep from"):
-        asked.values()
+HUNT = preset_spec(
+    "vem",
+    agents=9,
+    kinds=[Kind("shark", 2, v0=0.05, to={"flock": chase(2.0, 1.5, catch=0.1)})],
+    to={"shark": flee(3.0)},
+)
+
+
+def test_a_sweep_from_the_page_has_the_kinds_of_the_flock(tmp_path):
+    """As they are in the flock, but for what is swept over."""
+    axes = [Axis("shark.agents", 0, 4, 3), Axis("shark.flock.weight", 0.5, 2.0, 2)]
+    asked = SweepRequest(HUNT, axes, "catches", 2, 10)
+    (tmp_path / SPEC).write_text(asked.to_toml())
+    made = read_sweep(tmp_path / SPEC)
+    assert [tuple(cell.axes.values()) for cell in made.cells] == [
+        (count, weight) for count in (0, 2, 4) for weight in (0.5, 2.0)
+    ]
+    for cell in made.cells:
+        kinds = kind_table(cell.spec.kinds, cell.spec.to)
+        assert (kinds.kind("shark").agents, kinds.of("shark", "flock").weight) == (
+            *cell.axes.values(),
+        )
+        assert kinds.kind("shark").parameters == {"v0": 0.05}
+        assert kinds.of("flock", "shark") == flee(3.0)
+    assert asked.name == "vem-shark.agents-shark.flock.weight"
+
+
+def test_the_agents_of_kinds_count_towards_what_may_be_begun():
+    swept = SweepRequest(HUNT, [Axis("shark.agents", 0, 2_991, 2)], "polarisation", 1, 10)
+    swept.values()
+    with pytest.raises(InputError, match="3,001 agents are not allowed from the page"):
+        replace(swept, axes=[Axis("shark.agents", 0, 2_992, 2)]).values()
+    many = HUNT.with_values(kinds=[Kind("shark", 2_992)], to={})
+    with pytest.raises(InputError, match="3,001 agents are not allowed from the page"):
+        replace(swept, spec=many, axes=[Axis("eta", 0, 1, 2)]).values()
+
+
+@pytest.mark.parametrize(
+    ("axis", "said"),
+    [
+        (Axis("whale.agents", 0, 2, 2), "whale.agents: unknown kind 'whale'"),
+        (Axis("shark.k", 1, 2, 2), "shark.k: k cannot differ"),
+        (Axis("shark.v0", 0, 2, 2), r"shark.v0 = 2 is not in \[0, 1\]"),
+        (Axis("shark.flock.radius", 0, 2, 2), "shark.flock.radius = 0 is not in"),
+        (Axis("flock.shark.catch", 0, 2, 2), "only who chases can catch"),
+    ],
+)
+def test_an_axis_that_the_kinds_have_not_is_refused_before_anything_is_begun(axis, said):
+    with pytest.raises(InputError, match=said):
+        SweepRequest(HUNT, [axis], "polarisation", 1, 10).values()
+
+
+def test_what_is_gone_on_with_counts_the_agents_of_kinds_too(tmp_path):
+    kinds = [[{"name": "a", "agents": count}] for count in (2_990, 2_991)]
+    demand_from_page(store_of(tmp_path / "a", OF_PAGE, 10, 10, kinds=kinds[0]))
+    with pytest.raises(InputError, match="3,001 agents are not allowed"):
+        demand_from_page(store_of(tmp_path / "b", OF_PAGE, 10, 10, kinds=kinds[1]))
+    with pytest.raises(InputError, match="does not say what its runs are"):
+        demand_from_page(store_of(tmp_path / "c", OF_PAGE, 10, 10, kinds=["a"]))
+
+
+def test_the_form_offers_what_the_kinds_of_the_flock_have(laboratory):
+    """Until there are none again; what was chosen is kept as long as the flock has it."""
+    form = laboratory.sweep.first
+    form.count.value = 9
+    laboratory.simulation.setup(HUNT)
+    until(lambda: "shark: agents" in form.over.options)
+    assert {"shark: speed v₀, length/tick", "shark to flock: catch, length"} < {*form.over.options}
+    until(lambda: "shark.flock.weight" in laboratory.sweep.place.content)  # a mark at its slider
+    assert ask(laboratory.port, "/sweep/over?name=shark.flock.catch", OPENS).status == 200
+    assert form.axis() == Axis("shark.flock.catch", 0.0, 0.2, 9)
+    assert ask(laboratory.port, "/sweep/over?name=shark.agents", OPENS).status == 200
+    assert form.axis() == Axis("shark.agents", 0.0, 4.0, 5)
+    until(lambda: "5 × " in laboratory.sweep.said.content)
+    form.high.value = 3.0
+    differ = {**HUNT.parameters, "eta": normal(0.4, 0.1)}
+    laboratory.simulation.setup(HUNT.with_parameters(differ))
+    until(lambda: "eta.spread" in form.names.values())
+    assert (form.axis().name, form.axis().high) == ("shark.agents", 3.0)
+    laboratory.simulation.setup(SPEC_OF)
+    until(lambda: "shark.agents" not in form.names.values())
+    until(lambda: form.axis().name == "eta")

@@ -17,14 +17,22 @@ from app.classroom.collect.differences import RunIdentity, differences, on_one_l
 from app.classroom.collect.hand_in import ResultGroup
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import spread
+from app.classroom.collect.run_cost import look_radius
 from app.strict_table import Line, StrictTable
 from app.studies.charts.run_group import is_number, varied_axes
 from app.studies.key_lines import KeyLocations
+from app.studies.run_axes import AGENTS, read_axis
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.checked_sweep import Sweep, sweep_of
 from app.studies.sweeps.sweep_table import groups_of, places_of, spec_at
 from app.viewer.lab.sweeps.stored_sweeps import MOST_SHOWN, named_in
-from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, demand, run_table
+from app.viewer.lab.sweeps.sweep_request import (
+    allowed,
+    demand,
+    most_agents,
+    proposed_span,
+    run_table,
+)
 from worlds.input_error import InputError, first_input_error
 from worlds.text_file import toml
 from worlds.world import World
@@ -190,12 +198,12 @@ class CurveAsked:
         question = self.question
         if question.values:
             return [round(one) if question.is_whole else one for one in question.values]
-        low, high = allowed(question.model, question.parameter)
-        if question.declared is not None and question.declared.proposed is not None:
-            low, high = question.declared.proposed
-        elif question.parameter == AGENTS:
-            now = question.value_of(self.scene)
+        if question.parameter == AGENTS:
+            (low, high), now = allowed(question.model, AGENTS), question.value_of(self.scene)
             low, high = max(low, now / 4), min(high, 4 * now)
+        else:
+            axis = read_axis(question.parameter, question.model)
+            low, high = proposed_span(self.scene, axis, look_radius(self.scene))
         made = spread(low, high, VALUES, question.is_whole, log=0.0 < TENFOLD * low <= high)
         return [round(one) if question.is_whole else one for one in made]
 
@@ -203,8 +211,8 @@ class CurveAsked:
         """What a sweep's file says, world.toml beside it. Raises InputError beyond a page's
         bounds."""
         question, axis = self.question, self.axis()
-        agents = max(axis) if question.parameter == AGENTS else self.scene.agents
-        demand(len(axis), self.runs, int(agents) + self.scene.informed, question.ticks)
+        agents = most_agents(self.scene, {question.parameter: axis})
+        demand(len(axis), self.runs, agents, question.ticks)
         said: dict[str, Any] = {
             "title": question.title,
             "run": run_table(self.scene, question.ticks, {question.parameter}),

@@ -14,12 +14,12 @@ from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
 from agents.spec import CompleteSpec, versions
 from app.classroom.collect.differences import RunIdentity, differences, on_one_line
-from app.classroom.collect.question import Question
+from app.classroom.collect.question import Question, with_axes
 from app.studies.charts.run_group import RunGroup
+from app.studies.run_axes import AGENTS, is_whole_axis, read_axis
 from app.studies.runs.database import Outcome, Status, failure
 from app.studies.sweeps.sweep_job import RunRequest
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
-from app.viewer.lab.sweeps.sweep_request import AGENTS
 from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 
@@ -104,7 +104,7 @@ def hand_in(
     value = question.value_of(spec)
     flock = Flock(spec)
     kept = complete_run(spec.with_values(seed=flock.seed), flock)
-    meant = as_meant(question, scene, value, flock.seed)
+    meant = as_meant(question, scene, spec, flock.seed)
     outcome = run_of(question, spec, flock.seed)
     result, reason = measured(question, outcome)
     return Point(
@@ -171,11 +171,21 @@ def measured(question: Question, outcome: Outcome) -> tuple[float | None, str]:
     return float(value), on_one_line(outcome.astray, 200)
 
 
-def as_meant(question: Question, scene: CompleteSpec, value: float, seed: int) -> RunIdentity:
-    """The run of the class's scene with a student's value and seed."""
+def as_meant(question: Question, scene: CompleteSpec, spec: CompleteSpec, seed: int) -> RunIdentity:
+    """The run of the class's scene with a student's seed, and with their value of what is asked.
+
+    `spec`: their run. What they may change of kinds beside that is as they have it.
+    """
     meant = scene.with_values(seed=seed)
+    axes = [read_axis(name, question.model) for name in question.open]
+    names = [axis.name for axis in axes if axis.kind or axis.moment]
     if question.parameter == AGENTS or question.parameter in meant.parameters:
-        meant = question.with_value(meant, value)
+        names.append(question.parameter)
+    values = {name: question.value_of(spec, name) for name in names}
+    whole = {
+        name: round(value) for name, value in values.items() if is_whole_axis(spec.model, name)
+    }
+    meant = with_axes(meant, values | whole)
     return RunIdentity.of(Flock(meant))
 
 

@@ -18,9 +18,17 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
 from app.classroom.collect.run_cost import MOST_TICKS, demand_cheap
 from app.strict_table import StrictTable
+from app.studies.run_axes import (
+    axis_parameter,
+    axis_unit,
+    is_whole_axis,
+    read_axis,
+    spec_with,
+    value_of,
+)
 from app.studies.sweeps.sweep_file import ObservableBound, Observe, comparison
 from app.studies.sweeps.sweep_job import StopCondition, SweepJob, demand_number, measure_of
-from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
+from app.viewer.lab.sweeps.sweep_request import allowed
 from app.viewer.measuring.observable_format import observable_words as in_words
 from worlds.input_error import InputError, first_input_error, shorten, unknown
 from worlds.text_file import toml
@@ -81,7 +89,8 @@ class Question(StrictTable):
     model: str
     """Of the class's scene."""
     parameter: str
-    """Of that model, or `agents`."""
+    """Of that model, `agents`, or a number of a kind: an axis, as `app.studies.run_axes` has
+    them."""
     measure: RunMeasure
     ticks: Whole
     values: list[float] = Field(default_factory=list, max_length=MOST_VALUES)
@@ -107,8 +116,8 @@ class Question(StrictTable):
 
     @property
     def declared(self) -> DeclaredParameter | None:
-        """The parameter as its model declares it; None for `agents`."""
-        return next((one for one in numbers(self.model) if one.name == self.parameter), None)
+        """The parameter as its model declares it; None for agents and numbers of a relation."""
+        return axis_parameter(self.model, self.parameter)
 
     @property
     def unit(self) -> str:
@@ -144,7 +153,7 @@ class Question(StrictTable):
     @property
     def is_whole(self) -> bool:
         """Whether the parameter has whole numbers only."""
-        return is_whole(self.model, self.parameter)
+        return is_whole_axis(self.model, self.parameter)
 
     @property
     def open(self) -> tuple[str, ...]:
@@ -155,24 +164,24 @@ class Question(StrictTable):
         """The value of the parameter in a run, or of a free one. Raises InputError without it, or
         where agents differ in it."""
         name = name or self.parameter
-        if name == AGENTS:
-            return float(spec.agents)
-        found = MODELS[spec.model].parameters.model_fields.get(name)
-        if found is None:
+        axis = read_axis(name, self.model)
+        is_own = axis_parameter(self.model, name) is not None
+        if is_own and axis_parameter(spec.model, name) is None:
             raise InputError(
                 f"{name} is what the class is asked about, and {spec.model} has no such parameter: "
                 f"take {self.model}"
             )
-        if name in spec.individuals:
+        value = value_of(spec, name)
+        if isinstance(value, str):
             raise InputError(
                 f"{name} is what the class is asked about, and here agents differ in it "
-                f"({name} = {spec.individuals[name]}): give all the same"
+                f"({axis.name} = {value}): give all the same"
             )
-        return float(spec.parameters.get(name, found.default))
+        return float(value)
 
     def unit_of(self, name: str) -> str:
         """The unit of a parameter by name; 1 for a pure number."""
-        return next((one.unit for one in numbers(self.model) if one.name == name), "1")
+        return axis_unit(self.model, name)
 
     def value_text(self, value: float) -> str:
         """A value of the parameter with its unit, for people."""
@@ -181,12 +190,7 @@ class Question(StrictTable):
     def with_value(self, spec: CompleteSpec, value: float) -> CompleteSpec:
         """A run with another value of the parameter. Raises InputError."""
         number: float = round(value) if self.is_whole else value
-        if self.parameter == AGENTS:
-            return spec.with_values(agents=number)
-        others = {name: d for name, d in spec.individuals.items() if name != self.parameter}
-        return spec.with_values(
-            parameters={**spec.parameters, self.parameter: number}, individuals=others
-        )
+        return with_axes(spec, {self.parameter: number})
 
     def demand_cheap(self, spec: CompleteSpec) -> None:
         """Refuse a run that would take too long for one of a class. Raises InputError."""
@@ -201,6 +205,13 @@ class Question(StrictTable):
     def to_toml(self) -> str:
         """The question as a file."""
         return tomlkit.dumps(self.to_values())
+
+
+def with_axes(spec: CompleteSpec, values: Mapping[str, Any]) -> CompleteSpec:
+    """A run with other values of axes. Raises InputError."""
+    made = spec_with(spec, values)
+    assert isinstance(made, CompleteSpec)  # no axis opens what a run leaves open
+    return made
 
 
 def question_of(values: object, scene: CompleteSpec, origin: str = "the question") -> Question:

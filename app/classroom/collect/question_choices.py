@@ -12,14 +12,25 @@ import numpy as np
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from agents.models.declare import DeclaredParameter
 from agents.models.slider_range import is_wide
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from agents.spec import CompleteSpec
 from app.classroom.collect.question import Question, question_of
+from app.classroom.collect.run_cost import look_radius
+from app.studies.run_axes import (
+    AGENTS,
+    RunAxis,
+    axis_parameter,
+    axis_unit,
+    is_whole_axis,
+    number_parameters,
+    numeric_axes,
+    read_axis,
+    value_of,
+)
 from app.viewer.gallery.scene_steps import SceneStep
-from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
+from app.viewer.lab.sweeps.sweep_request import allowed, axis_title, proposed_span
 from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.dials import plain_symbol
 from worlds.input_error import InputError
@@ -66,27 +77,34 @@ class MeasureChoice:
 
 
 def parameters_of(spec: CompleteSpec) -> tuple[ParameterChoice, ...]:
-    """The parameters of a scene's run that a question may be about, `agents` last."""
-    low, high = allowed(spec.model, AGENTS)
-    around = max(10.0, spec.agents / 4), min(high, 4.0 * spec.agents)
-    found = [chosen(spec, one) for one in numbers(spec.model)]
-    suggested = spread(*around, count=5, whole=True, log=True)
-    return (
-        *found,
-        ParameterChoice(AGENTS, "Agents", "N", "1", low, high, True, spec.agents, suggested),
-    )
+    """The parameters of a scene's run that a question may be about, then `agents`, then the numbers
+    of its kinds."""
+    return tuple(chosen(spec, axis) for axis in numeric_axes(spec) if has_number(spec, axis))
 
 
-def chosen(spec: CompleteSpec, one: DeclaredParameter) -> ParameterChoice:
-    """A parameter as a form has it."""
-    low, high = allowed(spec.model, one.name)
-    least, most = one.proposed or (low, high)
-    whole = is_whole(spec.model, one.name)
-    now = float(spec.parameters.get(one.name, one.default))
-    suggested = spread(least, most, SUGGESTED, whole, is_wide(least, most))
-    return ParameterChoice(
-        one.name, one.words, plain_symbol(one.symbol), one.unit, low, high, whole, now, suggested
-    )
+def has_number(spec: CompleteSpec, axis: RunAxis) -> bool:
+    """Whether a run has a number along an axis: a relation may leave a radius to the rule."""
+    try:
+        return isinstance(value_of(spec, axis.name), int | float)
+    except InputError:
+        return False
+
+
+def chosen(spec: CompleteSpec, axis: RunAxis) -> ParameterChoice:
+    """What a question may be about, as a form has it."""
+    low, high = allowed(spec.model, axis.name)
+    one, whole = axis_parameter(spec.model, axis.name), is_whole_axis(spec.model, axis.name)
+    if axis.name == AGENTS:
+        around = max(10.0, spec.agents / 4), min(high, 4.0 * spec.agents)
+        suggested = spread(*around, count=5, whole=True, log=True)
+    else:
+        least, most = proposed_span(spec, axis, look_radius(spec))
+        suggested = spread(least, most, SUGGESTED, whole, is_wide(least, most))
+    symbol = "N" if axis.name == AGENTS else "" if one is None else plain_symbol(one.symbol)
+    words = "Agents" if one is None else one.words
+    title = axis_title(spec.model, axis.name, words).partition(",")[0]
+    unit, now = axis_unit(spec.model, axis.name), float(value_of(spec, axis.name))
+    return ParameterChoice(axis.name, title, symbol, unit, low, high, whole, now, suggested)
 
 
 def spread(
@@ -144,11 +162,16 @@ OF_STEPS = "steps"
 def order_against_noise(spec: CompleteSpec) -> tuple[str, dict[str, Any]] | None:
     """How order is lost, for a model whose noise turns headings."""
     noise = next(
-        (one for one in numbers(spec.model) if one.noise and one.name in ("eta", "sigma")), None
+        (
+            one
+            for one in number_parameters(spec.model)
+            if one.noise and one.name in ("eta", "sigma")
+        ),
+        None,
     )
     if noise is None:
         return None
-    values = chosen(spec, noise).suggested
+    values = chosen(spec, read_axis(noise.name)).suggested
     return "Each noise makes its own order: together they show where order is lost", {
         "title": "Order against noise",
         "parameter": noise.name,
@@ -190,7 +213,7 @@ def field_of_view(spec: CompleteSpec) -> tuple[str, dict[str, Any]] | None:
     """What becomes of a flock whose agents see less of the others: of its ring, or of its order."""
     rule = MODELS[spec.model].rule
     view = rule.view or "fov"
-    one = next((one for one in numbers(spec.model) if one.name == view), None)
+    one = next((one for one in number_parameters(spec.model) if one.name == view), None)
     if one is None:
         return None
     asked = {"parameter": view, "ticks": 1000}
@@ -233,7 +256,7 @@ def of_steps(spec: CompleteSpec, steps: Sequence[SceneStep]) -> tuple[str, dict[
     step = next((step for step in steps if step.ask and step.controls), None)
     if step is None:
         return None
-    known = {one.name: one for one in numbers(spec.model)}
+    known = {one.name: one for one in number_parameters(spec.model)}
     parameter = known.get(step.controls[0])
     if parameter is None:
         return None
@@ -243,7 +266,7 @@ def of_steps(spec: CompleteSpec, steps: Sequence[SceneStep]) -> tuple[str, dict[
         "parameter": parameter.name,
         "measure": {"observe": step.measure, "over": step.ticks - step.first_measured_tick + 1},
         "ticks": step.ticks,
-        "values": list(chosen(spec, parameter).suggested),
+        "values": list(chosen(spec, read_axis(parameter.name)).suggested),
     }
 
 

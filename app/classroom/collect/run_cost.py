@@ -12,6 +12,8 @@ import math
 
 from agents.catalogue import MODELS
 from agents.flock_world import complete_spec, find_world
+from agents.individuals import split_individuals
+from agents.kinds import kind_table
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
@@ -79,12 +81,18 @@ def mean_neighbours(spec: CompleteSpec) -> float:
     around = (
         (nearest + 1) * 3.0**world.dim
         if nearest
-        else agents
-        * math.prod(
-            min(1.0, 3.0 * getattr(parameters, model.rule.reach) / side) for side in world.size
-        )
+        else agents * math.prod(min(1.0, 3.0 * look_radius(spec) / side) for side in world.size)
     )
     return min(float(agents), around)
+
+
+def look_radius(spec: CompleteSpec) -> float:
+    """How far the agents of a run look, length: those of the kind that looks furthest."""
+    model, table = MODELS[spec.model], kind_table(spec.kinds, spec.to)
+    shared = checked(model.parameters, spec.parameters)
+    own = [split_individuals(kind.parameters)[0] for kind in table.kinds]
+    all_of = [shared, *(checked(model.parameters, shared.model_dump() | one) for one in own)]
+    return max(table.radius, *(float(getattr(one, model.rule.reach)) for one in all_of), 0.0)
 
 
 def world_of(spec: CompleteSpec, model: Model) -> World:

@@ -16,7 +16,7 @@ import typer
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
-from agents.kinds import DEEDS, Kind, Relation
+from agents.kinds import DEEDS, NO_KINDS, Kind, KindTable, Relation, kind_table
 from agents.models.declare import Parameters
 from agents.spec import KEYS, OPTIONS, Option, Spec, several
 from app.settings import assignment, numbers
@@ -153,13 +153,19 @@ def read_relation(text: str) -> tuple[str, str, Relation]:
 
 def with_kinds(spec: Spec, kinds: list[str], relations: list[str]) -> Spec:
     """The run with the kinds and relations of the command line over its own. Or InputError."""
+    table = read_kinds(kinds, relations, kind_table(spec.kinds, spec.to))
+    return spec.but(kinds=table.kinds, to=table.to)
+
+
+def read_kinds(kinds: list[str], relations: list[str], before: KindTable = NO_KINDS) -> KindTable:
+    """The kinds and relations of the command line over others. Raises InputError."""
     more = [read_kind(text) for text in kinds]
     names = {kind.name for kind in more}
-    spec = spec.but(kinds=(*(one for one in spec.kinds if one.name not in names), *more))
+    there = tuple(one for one in before.kinds if one.name not in names)
+    table = kind_table((*there, *more), before.to)
     for text in relations:
-        kind, other, relation = read_relation(text)
-        spec = spec.relating(kind, other, relation)
-    return spec
+        table = table.with_relation(*read_relation(text))
+    return table
 
 
 OPEN = {"seed": "drawn; in the laboratory 1", "size": "the world's own", "dim": "the world's own"}

@@ -115,7 +115,7 @@ def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
         table.add_row(*cells)
     console = make_console()
     console.print(table)
-    for line in describe_moments(reader, axes):
+    for line in describe_axes(reader, axes):
         console.print(line, markup=False)
     if len(rows) > MOST:
         console.print(f"and {len(rows) - MOST} more cells: `flockscope sweep export` has them all")
@@ -130,13 +130,13 @@ def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
         console.print(f"and {len(failures) - FAULTS} more failed runs")
 
 
-def describe_moments(reader: StoreReader, axes: list[str]) -> Iterator[str]:
-    """What each axis is that is a mean or a spread, with its unit."""
-    from app.studies.moments import moment_label
+def describe_axes(reader: StoreReader, axes: list[str]) -> Iterator[str]:
+    """What each axis is that is no plain option or parameter, with its unit."""
+    from app.studies.run_axes import axis_label
     from app.studies.sweeps.sweep_table import model_of
 
     for axis in axes:
-        label = moment_label(model_of(reader), axis)
+        label = axis_label(model_of(reader), axis)
         if label:
             yield f"{axis}: {label}"
 

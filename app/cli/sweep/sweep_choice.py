@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.cli.options.run_arguments import OF_KINDS, read_kinds
 from app.cli.options.run_length import demand_one_length, ticks_asked
 from app.results_folder import RESULTS
 from app.settings import assignment, check_whole_number, names, numbers, value
@@ -24,9 +25,12 @@ Vary = Annotated[
     typer.Option(
         "--vary",
         help="An axis, NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=A,B,C; NAME.mean and "
-        "NAME.spread where agents differ in NAME; may be repeated.",
+        "NAME.spread where agents differ in NAME; KIND.agents, KIND.NAME and "
+        "KIND.OTHER.weight of kinds; may be repeated.",
     ),
 ]
+Kinds = Annotated[list[str] | None, typer.Option("--kind", help=f"{OF_KINDS['kind']}.")]
+Relations = Annotated[list[str] | None, typer.Option("--relation", help=f"{OF_KINDS['relation']}.")]
 Fixed = Annotated[
     list[str] | None,
     typer.Option("--set", help="A parameter or option of all runs, NAME=VALUE; may be repeated."),
@@ -54,6 +58,8 @@ class SweepOptions:
 
     vary: Vary = None
     fixed: Fixed = None
+    kinds: Kinds = None
+    relations: Relations = None
     runs: Runs = None
     ticks: Ticks = None
     seconds: Seconds = None
@@ -73,7 +79,7 @@ class SweepOptions:
         options = {
             "--vary": self.vary, "--set": self.fixed, "--runs": self.runs, "--ticks": self.ticks,
             "--observe": self.observe, "--over": self.over, "--until": self.until,
-            "--seconds": self.seconds,
+            "--seconds": self.seconds, "--kind": self.kinds, "--relation": self.relations,
         }  # fmt: skip
         if is_complete_sweep(what):
             for name, option_value in options.items():
@@ -107,6 +113,11 @@ class SweepOptions:
                 run[name] = given_value
             else:
                 run.setdefault("parameters", {})[name] = given_value
+        table = read_kinds(self.kinds or [], self.relations or [])
+        if table.kinds:
+            places |= {"kinds": "--kind", "kind": "--kind", "to": "--relation"}
+            run["kinds"] = [kind.to_value() for kind in table.kinds]
+            run["to"] = {other: relation.to_value() for other, relation in table.to.items()}
         axes: dict[str, Any] = {}
         for setting in self.vary or []:
             name, axis = axis_of(setting)

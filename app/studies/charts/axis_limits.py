@@ -9,18 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from agents.catalogue import MODELS
-from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from app.studies.measure import COUNT, UNBOUNDED, MeasureBounds
-from app.studies.moments import MEAN, moment_axis
+from app.studies.run_axes import AGENTS, SPREAD, axis_parameter, read_axis
 
 Limits = tuple[float, float]
 TICKS = "k"
 """The column of the ticks until runs stop."""
-AGENTS = "agents"
-"""The axis that is no parameter of a model."""
 ROOM = 0.04
 """Of an axis, before the first value of a parameter and after the last, and around what is beyond
 its bounds."""
@@ -50,33 +46,16 @@ def column_bounds(column: str) -> MeasureBounds:
 
 
 def parameter_bounds(model: str, name: str) -> MeasureBounds:
-    """What a parameter of a model can be, as the model declares it; unbounded if it is unknown.
+    """What an axis of runs of a model can be, as the model declares it; unbounded if unknown.
 
     >>> parameter_bounds("vem", "agents")[:2], parameter_bounds("vem", "eta").low
     ((0.0, inf), 0.0)
     """
-    if name == AGENTS:
+    axis = read_axis(name, model)
+    if axis.item == AGENTS or axis.other or axis.moment == SPREAD:
         return COUNT
-    moment = moment_axis(name)
-    if moment is not None:
-        bounds = parameter_bounds(model, moment.parameter)
-        return bounds if moment.moment == MEAN else COUNT
-    parameters = declared(MODELS[model].parameters) if model in MODELS else ()
-    declared_parameter = next(
-        (
-            parameter
-            for parameter in parameters
-            if parameter.name == name and parameter.low is not None
-        ),
-        None,
-    )
-    if (
-        declared_parameter is None
-        or declared_parameter.low is None
-        or declared_parameter.high is None
-    ):
-        return UNBOUNDED
-    return MeasureBounds(declared_parameter.low, declared_parameter.high)
+    found = axis_parameter(model, name)
+    return UNBOUNDED if found is None else MeasureBounds(*found.bounds)
 
 
 def measure_limits(

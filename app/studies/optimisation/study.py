@@ -15,7 +15,7 @@ from agents.spec import LARGEST_SEED, Spec
 from app.strict_table import Line, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.key_lines import KeyLocations, name_in_refusal
-from app.studies.moments import ByAxis, moment_axis, spec_with, value_of, with_moments
+from app.studies.run_axes import ByAxis, read_axis, spec_with, value_of
 from app.studies.search import Algorithm, demand_package
 from app.studies.sweeps.checked_sweep import (
     Sweep,
@@ -410,8 +410,9 @@ def default_of(first: Variant, file: OptimisationFile) -> Point:
             raise InputError(
                 f"axis {name!r} is not allowed: it is no parameter or option ({where})"
             )
-        if moment_axis(name):
-            values[name] = moment_of(cell.spec, name, where)
+        axis = read_axis(name, cell.spec.model)
+        if axis.moment or axis.kind:
+            values[name] = number_of(cell.spec, name, where)
         if name not in values:
             raise unknown("axis", name, values, where)
         if name in first.at:
@@ -424,13 +425,19 @@ def default_of(first: Variant, file: OptimisationFile) -> Point:
     return {name: values[name] for name in file.search.axes}
 
 
-def moment_of(spec: Spec, axis: str, where: str) -> float:
-    """The mean or the spread that a run has of a parameter. Raises InputError."""
+def number_of(spec: Spec, axis: str, where: str) -> float:
+    """What a run has of an axis over a mean, a spread, or a number of a kind. Or InputError."""
     try:
-        with_moments(spec, {axis: 0.0 if axis.endswith(".spread") else value_of(spec, axis)})
+        value = 0.0 if axis.endswith(".spread") else value_of(spec, axis)
+        spec_with(spec, {axis: value})
+        if isinstance(value, str):
+            raise InputError(
+                f"{axis} is not allowed: agents differ in it ({value}): "
+                f"search {axis}.mean and {axis}.spread"
+            )
+        return float(value_of(spec, axis))
     except InputError as refusal:
         raise InputError(f"{refusal} ({where})") from None
-    return float(value_of(spec, axis))
 
 
 def check_corners(study: Study) -> None:

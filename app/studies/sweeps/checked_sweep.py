@@ -16,7 +16,7 @@ from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.spec import Options, Spec
 from app.strict_table import StrictTable
 from app.studies.key_lines import KeyLocations, name_in_refusal
-from app.studies.moments import moment_axis, spec_with
+from app.studies.run_axes import read_axis, spec_with
 from app.studies.sweeps.designs import Point, find_file, points_of
 from app.studies.sweeps.sweep_cells import Basis, Cell
 from app.studies.sweeps.sweep_file import (
@@ -161,7 +161,7 @@ def explain_refusal(
 ) -> str:
     """A refusal with the place of the axis that it is about, or of the run's own key."""
     word = name_in_refusal(refusal)
-    moments = [axis for axis in point if axis.rpartition(".")[0] == word and moment_axis(axis)]
+    moments = [axis for axis in point if axis.rpartition(".")[0] == word and read_axis(axis).moment]
     word = word if word in point or not moments else moments[0]
     if word in point:
         at = places.describe(word, "design.axes", design)

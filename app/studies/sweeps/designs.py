@@ -33,7 +33,7 @@ from worlds.plug_ins import demand
 from worlds.text_file import read_text
 
 WHOLE = ("agents", "informed", "dim")
-"""Axes of whole numbers."""
+"""Axes of whole numbers; also how many agents a kind has."""
 Point = dict[str, Value]
 
 
@@ -58,7 +58,10 @@ def points_of(design: AnyDesign, folder: Path) -> list[Point]:
 
 def round_point(point: Point) -> Point:
     """A point with whole numbers where there are no others."""
-    return {name: nearest_whole(value) if name in WHOLE else value for name, value in point.items()}
+    return {
+        name: nearest_whole(value) if name.rpartition(".")[2] in WHOLE else value
+        for name, value in point.items()
+    }
 
 
 def nearest_whole(value: Value) -> Value:

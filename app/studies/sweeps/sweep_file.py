@@ -15,7 +15,7 @@ from agents.spec import LARGEST_SEED, Options
 from app.strict_table import Line, ParameterValue, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.experiment_file import WithKinds
-from app.studies.moments import ByAxis
+from app.studies.run_axes import ByAxis
 from worlds.input_error import InputError, unknown
 
 # Comparisons that a file may make: between axes, and of an observable with a number; no code.
@@ -90,7 +90,7 @@ def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
             parts = [left, *others]
         case ast.Constant(value=bool() | int() | float() | str()):
             return
-        case ast.Name() | ast.Attribute(value=ast.Name()):
+        case ast.Name() | ast.Attribute():
             name = ast.unparse(node)
             if name not in axes:
                 raise unknown("axis", name, axes, repr(text))
@@ -120,7 +120,7 @@ def value(node: ast.AST, values: Mapping[str, Any]) -> Any:
             return all(COMPARED[type(op)](pair, other) for pair, op, other in pairs)
         case ast.Constant(value=one):
             return one
-        case ast.Name() | ast.Attribute():  # of `s.spread`
+        case ast.Name() | ast.Attribute():  # of `s.spread`, `shark.flock.weight`
             return values[ast.unparse(node)]
     raise AssertionError(node)
 

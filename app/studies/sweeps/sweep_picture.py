@@ -26,7 +26,7 @@ from app.studies.charts.scaling import (
 )
 from app.studies.charts.value_map import draw_map, place_cells
 from app.studies.measure import UNBOUNDED, MeasureBounds
-from app.studies.moments import moment_axis, moment_label
+from app.studies.run_axes import axis_label
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_table import (
     groups_of,
@@ -118,7 +118,7 @@ class SweepChart:
 
     def name_axis(self, put: Callable[..., Any], axis: str) -> None:
         """Name an axis of the sweep along an axis of the picture, which `put` labels."""
-        label = moment_label(model_of(self.kept), axis, mathtext_symbol)
+        label = axis_label(model_of(self.kept), axis, mathtext_symbol)
         if label:
             put(label, parse_math=True)
         else:
@@ -163,7 +163,7 @@ class SweepChart:
         panels = list(self.figure.subplots(1, across, squeeze=False)[0])
         mark_missing(panels[0], self.groups, x)
         draw_scaling(panels, self.name, lines, cumulants, x, by, self.axis_bounds(x))
-        if moment_axis(x):
+        if axis_label(model_of(self.kept), x):
             for panel in panels[: 1 + bool(cumulants)]:
                 self.name_axis(panel.set_xlabel, x)
 

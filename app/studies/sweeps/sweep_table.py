@@ -9,7 +9,7 @@ from typing import Any
 
 from agents.spec import Spec
 from app.studies.charts.run_group import CellRuns
-from app.studies.moments import spec_with
+from app.studies.run_axes import spec_with
 from app.studies.runs.database import BROKEN, FIXED
 from app.studies.runs.store import is_locked
 from app.studies.runs.store_reader import StoreReader

@@ -665,7 +665,8 @@ class Laboratory:
         self.kinds.refresh(state, self.simulation.frame)
         self.rule_source.refresh(state.spec.model)
         if self.sweep is not None:
-            self.sweep.refresh(state, self.plots.offered, self.parameters.controls)
+            sliders = self.parameters.controls | self.kinds.axes
+            self.sweep.refresh(state, self.plots.offered, sliders)
         if self.drawing.drawn is None or readings is None:
             return
         frame, look = self.drawing.drawn

@@ -344,6 +344,16 @@ class KindsPanel:
             with self.lock:
                 self.follow(self.simulation.state)
 
+    @property
+    def axes(self) -> dict[str, Any]:
+        """The sliders by the names of the axes that a study has over their numbers."""
+        kind, other, parameter = self.which.value, self.other.value, self.parameter.value
+        own = self.own[parameter].name if parameter in self.own else ""
+        return {
+            f"{kind}.{own}" if name == "own" else f"{kind}.{other}.{name}": slider
+            for name, slider in self.sliders.items()
+        }
+
     def try_to(self, act: Callable[[], None]) -> None:
         """Do something; tell what is refused."""
         try:

@@ -11,12 +11,12 @@ import viser
 from agents.catalogue import MODELS, PLAYED
 from agents.spec import Spec
 from app.front.controls import set_value
+from app.studies.run_axes import number_parameters
 from app.tracks.playing.played_tracks import PlayedTracks
 from app.tracks.tracks import PIXELS, Tracks
 from app.viewer.lab.fits.cost_map import cost_map
 from app.viewer.lab.fits.fit_worker import FitState, TracksFit
 from app.viewer.lab.panels.tracks_panel import TracksPanel, usual_model
-from app.viewer.lab.sweeps.sweep_request import numbers
 from app.viewer.panels.dials import set_visible
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import block
@@ -89,7 +89,7 @@ class FitPanel:
     def offer(self) -> None:
         """Let the parameters of the chosen model be chosen: numbers, but for noise."""
         name = self.chosen()
-        offered = [parameter for parameter in numbers(name) if not parameter.noise]
+        offered = [parameter for parameter in number_parameters(name) if not parameter.noise]
         self.names = {parameter_label(one)[0]: one.name for one in offered}
         labels = {name: label for label, name in self.names.items()}
         proposed = proposed_parameters(name)
@@ -192,7 +192,7 @@ class FitPanel:
 def proposed_parameters(model: str) -> list[str]:
     """What is looked for at first: of a rule with zones the widths of the outer two, else the first
     length, or number."""
-    offered = [parameter for parameter in numbers(model) if not parameter.noise]
+    offered = [parameter for parameter in number_parameters(model) if not parameter.noise]
     lengths = [one.name for one in offered if one.unit in ("length", "m")]
     if MODELS[model].rule.zones and len(lengths) >= 3:
         return lengths[1:3]

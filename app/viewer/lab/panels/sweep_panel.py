@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import html
 import json
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,11 +13,20 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS, PLAYED
-from agents.models.declare import NumberParameter
 from agents.models.slider_range import is_wide
 from agents.observables.catalogue import OBSERVABLES, default_charts
+from agents.spec import Spec
 from app.front.controls import set_value
 from app.front.viser_internals import identifier
+from app.studies.run_axes import (
+    AGENTS,
+    MEAN,
+    axis_parameter,
+    is_whole_axis,
+    number_parameters,
+    numeric_axes,
+    read_axis,
+)
 from app.viewer.lab.sweeps import sweep_request
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepPanelState, Sweeps
 from app.viewer.lab.sweeps.stored_sweeps import (
@@ -27,16 +37,14 @@ from app.viewer.lab.sweeps.stored_sweeps import (
     content,
 )
 from app.viewer.lab.sweeps.sweep_request import (
-    AGENTS,
     Axis,
     SweepRequest,
     allowed,
-    is_whole,
-    numbers,
+    axis_title,
+    proposed_span,
 )
 from app.viewer.measuring.observable_format import format_thousands, observable_words
 from app.viewer.panels.dials import decimals, set_visible, step_of
-from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
@@ -58,7 +66,6 @@ class AxisForm:
         self.names: dict[str, str] = {}
         self.model = ""
         self.ranges: dict[str, tuple[float, float]] = {}
-        self.steps: dict[str, tuple[float, int]] = {}
         self.none = none
         self.over = gui.add_dropdown(label, (NOTHING,), hint=hint)
         self.low = gui.add_number("From", 0.0, min=0.0, max=1.0, step=0.1)
@@ -69,34 +76,31 @@ class AxisForm:
         )
         self.over.on_update(self.fit)
 
-    def offer(self, model: str) -> None:
-        """Let the parameters of a model be chosen, and the number of agents."""
-        self.model = model
-        parameters = numbers(model)
-        self.names = {parameter_label(parameter)[0]: parameter.name for parameter in parameters} | {
-            "Agents": AGENTS
-        }
-        self.ranges = {parameter.name: parameter_span(parameter) for parameter in parameters} | {
-            AGENTS: (max(1.0, MODELS[model].agents / 4), float(MODELS[model].agents * 2))
-        }
-        self.steps = {
-            parameter.name: (step_of(parameter), decimals(parameter)) for parameter in parameters
-        } | {AGENTS: (1, 0)}
+    def offer(self, spec: Spec, reach: float) -> None:
+        """Let be chosen what is a number of a run: parameters, agents, and what kinds have.
+
+        `reach`: how far its rule looks, length.
+        """
+        before, self.model = self.model, spec.model
+        axes = numeric_axes(spec)
+        self.names = {axis_title(spec.model, axis.name): axis.name for axis in axes}
+        self.ranges = {axis.name: proposed_span(spec, axis, reach) for axis in axes}
         options = ((NOTHING,) if self.none else ()) + tuple(self.names)
-        chosen = self.over.value if self.over.value in options else options[0]
-        if not self.none and self.over.value == NOTHING:
-            first = next(
-                (parameter for parameter in parameters if parameter.noise),
-                parameters[0] if parameters else None,
-            )
-            chosen = parameter_label(first)[0] if first else options[0]
+        chosen = self.over.value
+        if chosen not in options:
+            noises = [one.name for one in number_parameters(spec.model) if one.noise]
+            first = [title for title, name in self.names.items() if name in noises]
+            chosen = (options if self.none else first or options)[0]
+        is_other = before != spec.model or self.over.value != chosen
         self.over.options = options
         set_value(self.over, chosen)
-        self.propose()
+        if is_other:
+            self.propose()
 
     def choose(self, name: str) -> bool:
-        """Choose an axis; whether it is offered."""
-        label = next((label for label, one in self.names.items() if one == name), None)
+        """Choose an axis, or the mean of what agents differ in; whether it is offered."""
+        names = (name, f"{name}.{MEAN}")
+        label = next((label for label, one in self.names.items() if one in names), None)
         if label is not None:
             set_value(self.over, label)
             self.propose()
@@ -116,14 +120,24 @@ class AxisForm:
             return
         low, high = allowed(self.model, name)
         first, last = self.ranges[name]
-        step, precision = self.steps[name]
+        step, precision = self.step_of(name, last)
         for control, value in ((self.low, first), (self.high, last)):
             control.min, control.max = float(low), float(high)
             control.step, control.precision = step, precision
             set_value(control, float(value))
         set_value(self.log, is_wide(first, last))
-        if is_whole(self.model, name):
+        if is_whole_axis(self.model, name):
             set_value(self.count, min(self.count.value, max(2, int(last - first) + 1)))
+
+    def step_of(self, name: str, last: float) -> tuple[float, int]:
+        """The step of an axis up to `last`, and how many decimals it needs."""
+        if is_whole_axis(self.model, name):
+            return 1, 0
+        found = axis_parameter(self.model, name)
+        if found is not None:
+            return step_of(found), decimals(found)
+        places = max(0, 2 - math.floor(math.log10(max(last, 1e-9))))
+        return 10.0**-places, places
 
     def axis(self) -> Axis | None:
         """What is chosen; None for nothing."""
@@ -131,12 +145,6 @@ class AxisForm:
         if name is None:
             return None
         return Axis(name, self.low.value, self.high.value, int(self.count.value), self.log.value)
-
-
-def parameter_span(parameter: NumberParameter) -> tuple[float, float]:
-    """What a slider of a number spans, and what is allowed where that is nothing."""
-    low, high = parameter.proposed
-    return (low, high) if low < high else parameter.bounds
 
 
 @dataclass
@@ -149,7 +157,8 @@ class SweepPanel:
     sweeps: Sweeps
     simulation: Simulation
     tell: Callable[[str], None]
-    model: str = ""
+    offered: tuple[str, ...] = ()
+    """The model, and the axes that can be chosen."""
     observed: dict[str, str] = field(default_factory=dict)
     """What can be measured, words -> name."""
     busy: bool = False
@@ -276,11 +285,12 @@ class SweepPanel:
         """Follow the run: its parameters by their `controls`, and what can be measured of it."""
         if not state.values:
             return
-        self.offer(state.spec.model, offered)
+        self.offer(state, offered)
+        names = self.first.names.values()
         marks = {
             identifier(control): name
             for name, control in controls.items()
-            if name in self.first.names.values()
+            if name in names or f"{name}.{MEAN}" in names
         }
         text = html.escape(json.dumps(marks, separators=(",", ":")))
         set_html(self.place, f'<div data-sweeps="{text}" hidden></div>')
@@ -296,20 +306,26 @@ class SweepPanel:
         cells = 1
         for values in grid.values():
             cells *= len(values)
-        agents = "" if AGENTS in grid else f" of {counted(state.agents, 'agent')}"
+        is_varied = any(read_axis(name).item == AGENTS for name in grid)
+        agents = "" if is_varied else f" of {counted(state.agents, 'agent')}"
         summary = (
             f"{sizes} × {request.runs} = <b>{counted(cells * request.runs, 'run')}</b>{agents}; "
         )
         set_html(self.said, block(f"{summary}all else as it is now."))
         set_enabled(self.start, self.busy or any(sweep.runs for sweep in self.sweeps.seen.sweeps))
 
-    def offer(self, model: str, offered: tuple[str, ...]) -> None:
-        """Let be chosen what a model has."""
-        if model != self.model:
-            self.model = model
-            for form in (self.first, self.second):
-                form.offer(model)
-            self.observed = {}
+    def offer(self, state: SimulationState, offered: tuple[str, ...]) -> None:
+        """Let be chosen what a run has: an axis that it still has stays as it is."""
+        model, spec = state.spec.model, state.current_specs()[0]
+        if model not in PLAYED:
+            axes = model, *(axis.name for axis in numeric_axes(spec))
+            if axes != self.offered:
+                frame = self.simulation.frame
+                for form in (self.first, self.second):
+                    form.offer(spec, 1.0 if frame is None else frame.reach)
+                if self.offered[:1] != axes[:1]:
+                    self.observed = {}
+                self.offered = axes
         observed = {
             observable_words(name): name
             for name in offered

@@ -394,7 +394,12 @@ def demand_from_page(folder: Path) -> None:
     cells = kept.cells
     try:
         specs = [cell["identity"]["spec"] for cell in cells.values()]
-        agents = max(int(one["agents"]) + int(one["informed"] or 0) for one in specs)
+        agents = max(
+            int(one["agents"])
+            + int(one["informed"] or 0)
+            + sum(int(kind["agents"]) for kind in one.get("kinds", ()))
+            for one in specs
+        )
         runs, limit = int(kept.state["runs"]), int(kept.state["limit"])
     except (KeyError, TypeError, ValueError):
         raise InputError(f"{folder.name} does not say what its runs are: {told}") from None

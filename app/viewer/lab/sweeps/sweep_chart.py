@@ -21,12 +21,10 @@ from app.studies.charts.mean_line import (
 from app.studies.charts.page_svg import CLICKED, ShapeLink, page_figure, page_svg
 from app.studies.charts.run_group import CellRuns, is_number
 from app.studies.charts.value_map import MapCell, draw_map, name_ticks, place_cells
-from app.studies.moments import moment_axis
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, few_of
-from app.viewer.lab.sweeps.sweep_request import AGENTS, numbers
+from app.viewer.lab.sweeps.sweep_request import axis_title
 from app.viewer.measuring.observable_format import format_short, observable_words
 from app.viewer.measuring.observable_table import observable_title
-from app.viewer.panels.parameters import parameter_label
 from worlds.number_text import counted
 
 WIDTH, HEIGHT = 300.0, 210.0
@@ -177,14 +175,8 @@ def describe_marks(shown: DrawnSweep) -> str:
 
 def name_axis(shown: DrawnSweep, axis: str) -> str:
     """An axis as its slider is called."""
-    if axis == AGENTS:
-        return "Agents"
-    known = {one.name: one for one in numbers(shown.model)} if shown.model in MODELS else {}
-    moment = moment_axis(axis)
-    if moment and moment.parameter in known:
-        label = parameter_label(known[moment.parameter])[0]
-        return f"{moment.moment.capitalize()} of {label[:1].lower()}{label[1:]}"
-    return parameter_label(known[axis])[0] if axis in known else shorten_name(axis)
+    title = axis_title(shown.model, axis)
+    return shorten_name(title) if title == axis else title
 
 
 def name_measure(shown: DrawnSweep) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol
@@ -12,10 +12,24 @@ import numpy as np
 import tomlkit
 
 from agents.catalogue import FILES, MODELS
-from agents.models.declare import NumberParameter, declared
+from agents.kinds import kind_table
+from agents.models.declare import NumberParameter
 from agents.observables.catalogue import OBSERVABLES
-from agents.spec import CompleteSpec
+from agents.spec import CompleteSpec, Spec
+from app.studies.run_axes import (
+    AGENTS,
+    MEAN,
+    SPREAD,
+    RunAxis,
+    allowed_span,
+    axis_parameter,
+    is_whole_axis,
+    read_axis,
+    spec_with,
+    value_of,
+)
 from app.studies.workers.process_executor import cores
+from app.viewer.panels.parameters import parameter_label
 from worlds.input_error import InputError, unknown
 from worlds.world import World
 
@@ -69,8 +83,6 @@ def demand(cells: int, each: int, agents: int, ticks: int) -> None:
             )
 
 
-AGENTS = "agents"
-"""The axis that is no parameter."""
 WORLD = "world.toml"
 """The file of a world that is none of the built-in ones, beside the sweep's."""
 
@@ -106,7 +118,7 @@ class Axis:
             raise InputError(f"{self.name} is swept by logarithms from 0: begin above it")
         between = np.geomspace if self.log else np.linspace
         made = between(self.low, self.high, self.count).tolist()
-        if is_whole(model, self.name):
+        if is_whole_axis(model, self.name):
             return list(dict.fromkeys(round(one) for one in made))
         inner = [
             round(one, 1 - math.floor(math.log10(abs(following - one))))
@@ -168,7 +180,7 @@ class SweepRequest:
             if axis.name in self.spec.individuals:
                 raise InputError(
                     f"{axis.name} = {self.spec.individuals[axis.name]} differs from agent to agent "
-                    "and is an axis: set its spread to 0 first"
+                    f"and is an axis: sweep {axis.name}.{MEAN} and {axis.name}.{SPREAD}"
                 )
             grid[axis.name] = axis.values(self.spec.model)
         one = OBSERVABLES.get(self.observable)
@@ -184,15 +196,22 @@ class SweepRequest:
         for name, value in (("runs", self.runs), ("ticks", self.ticks)):
             if value < 1:
                 raise InputError(f"{value} {name} are not allowed: 1 at least")
-        agents = max(grid.get(AGENTS, [self.spec.agents]))
+        for end in (0, -1):
+            spec_with(self.spec, {name: values[end] for name, values in grid.items()})
         cells = int(np.prod([len(values) for values in grid.values()]))
-        demand(cells, self.runs, agents + self.spec.informed, self.ticks)
+        demand(cells, self.runs, most_agents(self.spec, grid), self.ticks)
         return grid
 
     @property
     def name(self) -> str:
         """What its folder is called, if there is none of that name yet."""
         return "-".join([self.spec.model, *(axis.name for axis in self.axes)])
+
+
+def most_agents(spec: CompleteSpec, grid: Mapping[str, Sequence[Any]]) -> int:
+    """The most agents that a run of a grid has, those of all kinds among them."""
+    kinds = (max(grid.get(f"{one.name}.{AGENTS}", [one.agents])) for one in spec.kinds)
+    return int(max(grid.get(AGENTS, [spec.agents])) + spec.informed + sum(kinds))
 
 
 def demand_catalogued(spec: CompleteSpec) -> None:
@@ -210,12 +229,6 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
     A world that is none of the built-in ones is in WORLD.
     """
     demand_catalogued(spec)
-    if spec.kinds:
-        names = ", ".join(kind.name for kind in spec.kinds)
-        raise InputError(
-            f"there are kinds of agents ({names}): a sweep from the page has none; "
-            "`flockscope run` makes single runs of them"
-        )
     if spec.start != "random":
         raise InputError("this run began from given places: a sweep begins from random ones")
     run: dict[str, Any] = {"model": spec.model, "ticks": ticks} | spec.chosen
@@ -230,25 +243,73 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
     individuals = {name: d.to_value() for name, d in spec.individuals.items()}
     own = spec.parameters | individuals
     run["parameters"] = {name: value for name, value in own.items() if name not in axes}
+    if spec.kinds:
+        run["kinds"] = [kind.to_value() for kind in spec.kinds]
+        run["to"] = {other: relation.to_value() for other, relation in spec.to.items()}
     return run
 
 
-def numbers(model: str) -> list[NumberParameter]:
-    """The parameters of a model that can be an axis."""
-    found = declared(MODELS[model].parameters)
-    return [one for one in found if isinstance(one, NumberParameter)]
+# What an axis of a run may be, and what is proposed of it.
 
 
 def allowed(model: str, name: str) -> tuple[float, float]:
     """The range of an axis. Raises InputError for what is none."""
-    if name == AGENTS:
-        return 1, MOST_AGENTS
-    found = {one.name: one for one in numbers(model)}
-    if name not in found:
-        raise unknown("axis", name, [*found, AGENTS])
-    return found[name].bounds
+    return allowed_span(model, name, MOST_AGENTS)
 
 
-def is_whole(model: str, name: str) -> bool:
-    """Whether an axis has whole numbers only."""
-    return name == AGENTS or MODELS[model].parameters.model_fields[name].annotation is int
+def proposed_span(spec: Spec, axis: RunAxis, reach: float) -> tuple[float, float]:
+    """The part of an axis where something is to be seen; `reach`: of the rule, length."""
+    low, high = allowed(spec.model, axis.name)
+    found = axis_parameter(spec.model, axis.name)
+    if axis.item == AGENTS and not axis.kind:
+        agents = MODELS[spec.model].agents
+        first, last = max(1.0, agents / 4), 2.0 * agents
+    elif axis.item == AGENTS:
+        first, last = 0.0, max(4.0, 2.0 * value_of(spec, axis.name))
+    elif axis.other:
+        first, last = proposed_of_relation(spec, axis, reach)
+    elif found is None or axis.moment == SPREAD:
+        first, last = 0.0, 2.0 * value_of(spec, axis.name) or 0.25 * high
+    else:
+        first, last = parameter_span(found)
+    return max(low, first), min(high, last)
+
+
+def proposed_of_relation(spec: Spec, axis: RunAxis, reach: float) -> tuple[float, float]:
+    """The same of a number of a relation, which may say nothing of how far it goes."""
+    relation = kind_table(spec.kinds, spec.to).of(axis.kind, axis.other)
+    radius = relation.radius or reach
+    if axis.item == "radius":
+        return radius / 4, 2.0 * radius
+    now = float(getattr(relation, axis.item) or 0.0)
+    return 0.0, 2.0 * now or (0.25 * radius if axis.item == "catch" else 2.0)
+
+
+def parameter_span(parameter: NumberParameter) -> tuple[float, float]:
+    """What a slider of a number spans, and what is allowed where that is nothing."""
+    low, high = parameter.proposed
+    return (low, high) if low < high else parameter.bounds
+
+
+def axis_title(model: str, name: str, words: str = "") -> str:
+    """An axis as the page calls it; a name of a user's own as it is.
+
+    `words`: what the parameter is called; by default as its slider is.
+
+    >>> axis_title("vem", "shark.agents"), axis_title("vem", "shark.flock.radius")
+    ('shark: agents', 'shark to flock: radius, length')
+    """
+    axis, found = read_axis(name, model), axis_parameter(model, name)
+    if axis.other:
+        unit = ", length" if axis.item in ("radius", "catch") else ""
+        return f"{axis.kind} to {axis.other}: {axis.item}{unit}"
+    if found is None and axis.item != AGENTS:
+        return name
+    title = words or ("Agents" if found is None else parameter_label(found)[0])
+    title = f"{axis.moment.capitalize()} of {lowered(title)}" if axis.moment else title
+    return f"{axis.kind}: {lowered(title)}" if axis.kind else title
+
+
+def lowered(title: str) -> str:
+    """A title within a line."""
+    return title[:1].lower() + title[1:]
