@@ -238,6 +238,7 @@ def entries(state: ClassState) -> Iterator[tuple[str, str | bytes]]:
         given = [
             {"student": name, "seed": one.seed}
             | ({} if one.value is None else {"value": one.value})
+            | ({"kind": one.kind} if one.kind else {})
             for name, one in collection.given.items()
         ]
         said["questions"].append({"file": key, "given": given})
@@ -277,7 +278,7 @@ def slug(title: str) -> str:
 
 KEYS = ("format", "title", "seats", "step", "students", "questions")
 OF_STUDENT, OF_QUESTION, OF_GIVEN = ("name", "role", "file"), ("file", "given"), (
-    "student", "value", "seed",
+    "student", "value", "seed", "kind",
 )  # fmt: skip
 
 
@@ -411,14 +412,16 @@ def saved_curve(key: str, question: Question, pack: ClassArchive) -> ClassCurve 
 
 def given_of(row: Mapping[str, Any], question: Question) -> StudentAssignment:
     """What a student was given. Raises InputError."""
-    value, seed = row.get("value"), row.get("seed")
+    value, seed, kind = row.get("value"), row.get("seed"), row.get("kind", "")
     if value is not None and (isinstance(value, bool) or value not in question.values):
         raise InputError(f"given: value = {shorten(value)} is none of the question's (class.toml)")
     if value is None and question.values:
         raise InputError("given: value is missing (class.toml)")
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
         raise InputError(f"given: seed = {shorten(seed)} is no seed (class.toml)")
-    return StudentAssignment(None if value is None else float(value), seed)
+    if kind not in (question.kinds or [""]):
+        raise InputError(f"given: kind = {shorten(kind)} is none of the question's (class.toml)")
+    return StudentAssignment(None if value is None else float(value), seed, kind)
 
 
 def points_of(key: str, question: Question, pack: ClassArchive) -> list[Point]:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from app.classroom.browser_flocks import MOST_WATCHING, BrowserFlocks, moved_scene
 from app.classroom.class_keys import hash_key, is_same_text, new_code, new_key
@@ -266,6 +267,7 @@ class Classroom:
         While a question is asked about it, it has their value.
         """
         asked = self.asking.begins(student.name, scene)
+        student.kind = self.asking.kind_of(student.name)
         if asked is None:
             seed = scene.spec.seed + student.number
             asked = replace(scene, spec=scene.spec.with_values(seed=seed))
@@ -360,7 +362,7 @@ class Classroom:
             student.page = None
             if student.place is not None:
                 with suppress(InputError):  # it is opened when their page asks for it
-                    await self.flocks.tell_own(student, "open", student.scene)
+                    await self.flocks.tell_own(student, "open", student.scene, student.kind)
                     if student.frozen:
                         await self.flocks.tell_own(student, "pause")
             if student.role is not Role.OWN:
@@ -442,15 +444,21 @@ class Classroom:
         student.predictions[number] = kept
 
     def results_csv(self) -> str:
-        """The results of the latest question, each with what its student has predicted in the
-        lesson. Raises InputError."""
+        """The results of the latest question, each with the kind that its student plays, and with
+        what they have predicted in the lesson. Raises InputError."""
         collection = self.asking.demand()
         made = {student.name: student.predictions for student in self.students.values()}
         rows = [made.get(point.student, {}) for point in collection.points]
+        beside: dict[str, list[Any]] = {}
+        if collection.question.kinds:
+            given = (collection.given.get(point.student) for point in collection.points)
+            beside["kind"] = ["" if one is None else one.kind for one in given]
         steps = self.scene.steps
         # Of another lesson than that which the question was asked about they say nothing.
         is_same = self.asking.scene is not None and self.asking.scene.steps == steps
-        return to_csv(collection, prediction_columns(steps, rows) if is_same and any(rows) else {})
+        if is_same and any(rows):
+            beside |= prediction_columns(steps, rows)
+        return to_csv(collection, beside)
 
     def predictions_csv(self) -> str:
         """What students have predicted in the steps of the lesson. Raises InputError."""

@@ -160,7 +160,7 @@ class Flocks:
         worker = student.worker = min(self.workers, key=lambda one: one.held)
         worker.held += 1
         try:
-            address = await self.tell(worker, "open", student.number, scene)
+            address = await self.tell(worker, "open", student.number, scene, student.kind)
             await self.catch_up(worker, student)
             if student.worker is not worker:
                 raise InputError("this flock has been closed")

@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from agents.kinds import kind_table
 from agents.spec import CompleteSpec
 from app.classroom.collect.class_table import to_json
 from app.classroom.collect.collection import Collection
@@ -100,6 +101,7 @@ class QuestionService:
         return {
             "parameters": [vars(one) for one in parameters_of(spec)],
             "measures": [vars(one) for one in measures_of(spec)],
+            "kinds": list(kind_table(spec.kinds, spec.to).names) if spec.kinds else [],
             "ready": [
                 {
                     "name": one.name,
@@ -255,16 +257,22 @@ class QuestionService:
             self.counted = (len(self.all), len(points)), numbers
         return self.counted[1].get(student, [])
 
+    def kind_of(self, student: str) -> str:
+        """The kind that a student plays while a question is asked; empty: all of them."""
+        given = None if self.open is None else self.open.given.get(student)
+        return "" if given is None else given.kind
+
     def value_of(self, student: str) -> str:
-        """The value that a student tries, with its unit: what the latest question gave them, else
-        that of their last result; empty without any."""
+        """The kind that a student plays, and the value that they try, with its unit: what the
+        latest question gave them, else that of their last result; empty without any."""
         if self.latest is None:
             return ""
         given, numbers = self.latest.given.get(student), self.results_of(student)
         value = None if given is None else given.value
         if value is None and numbers:
             value = self.latest.points[numbers[-1]].value
-        return "" if value is None else self.latest.question.value_text(value)
+        text = "" if value is None else self.latest.question.value_text(value)
+        return ", ".join(filter(None, ("" if given is None else given.kind, text)))
 
     def plot(self) -> bytes:
         """The results of the latest question as JSON, packed by gzip, for students: nobody's name

@@ -143,6 +143,8 @@ class Student:
     """Whether their flock is held by the teacher: nothing but their camera is heard."""
     value: float | None = None
     """What the question has given them to try."""
+    kind: str = ""
+    """The kind of agents that they play in their flock; empty: all."""
     predictions: dict[int, LessonPrediction] = field(default_factory=dict)
     """In the steps of the class's lesson, by the number of the step."""
     place: LaboratoryAddress | None = None

@@ -29,6 +29,10 @@
     const [e, condition] = typed("Until", ">= 0.99");
     const [f, over] = typed("Over ticks", "100", "number");
     const [g, ticks] = typed("Ticks of a run", "500", "number");
+    const [i, kinds] = chosen("Students play", [["", "all kinds"], ...choices.kinds.length ?
+      [[JSON.stringify(choices.kinds), `one kind each: ${choices.kinds.join(", ")}, in turn`]] : [],
+      ...choices.kinds.map((kind) => [JSON.stringify([kind]), kind])]);
+    i.hidden = !choices.kinds.length;
     const [h, title] = typed("Title", "");
     title.maxLength = 80;
     const fill = () => {
@@ -53,12 +57,13 @@
     observe.addEventListener("change", name);
     how.addEventListener("change", show);
     const ready = make("button", "fs-main", "Ask it");
-    made.append(a, b, c, d, e, f, g, h, ready);
+    made.append(a, b, c, d, e, f, g, i, h, ready);
     made.addEventListener("submit", (event) => {
       event.preventDefault();
       const measure = how.value === "until" ? { until: `${observe.value} ${condition.value}`, hold: 1 } :
         { observe: observe.value, ...(how.value === "over" ? { over: Number(over.value) } : {}) };
       ask({ title: title.value, parameter: parameter.value, measure, ticks: Number(ticks.value),
+        kinds: kinds.value ? JSON.parse(kinds.value) : [],
         values: values.value.split(/[,;\s]+/).filter(Boolean).map(Number) });
     });
     fill();

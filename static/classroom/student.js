@@ -81,16 +81,17 @@
     asked.hidden = role !== "own" || !question && plot.hidden;
     hand.hidden = task.hidden = now.hidden = !question; /* what was handed in stays, with the results */
     if (!question) return;
-    if (before !== question.title + question.value) {
+    if (before !== question.title + question.value + question.kind) {
       said.textContent = question.answer;
       plot.open = question.handed > 0 && fits();
       own = question.handed;
     }
-    before = question.title + question.value;
+    before = question.title + question.value + question.kind;
     title.textContent = question.title;
-    task.textContent = question.value === null ?
+    const played = question.kind ? `You are: ${question.kind}. ` : "";
+    task.textContent = played + (question.value === null ?
       `Choose ${question.parameter.toLowerCase()} and watch: ${question.measured}.` :
-      `Yours: ${question.parameter.toLowerCase()} ${question.value}. Watch ${question.measured}.`;
+      `Yours: ${question.parameter.toLowerCase()} ${question.value}. Watch ${question.measured}.`);
     now.textContent = question.now;
     hand.textContent = question.handed ? `Hand in again (${question.handed})` : "Hand in my run";
   };

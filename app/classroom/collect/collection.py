@@ -104,6 +104,8 @@ class StudentAssignment:
     """Of the parameter; None: students choose."""
     seed: int
     """One for each student: two runs of one seed and one value are the same run."""
+    kind: str = ""
+    """Which kind of agents they play; empty: all."""
 
 
 def spread_order(count: int) -> list[int]:
@@ -135,22 +137,25 @@ class Collection:
     """What the class had when it was asked; None: what the class has."""
 
     def give(self, student: str) -> StudentAssignment:
-        """The value and the seed of a student, always the same ones. Raises InputError.
+        """The value, the seed and the kind of a student, always the same. Raises InputError.
 
-        Of the values the one that fewest have, in an order that covers the range early.
+        Of the kinds the one that fewest play; of the values the one that fewest of them have, in an
+        order that covers the range early.
         """
         if student in self.given:
             return self.given[student]
         if len(self.given) >= MOST_GIVEN:
             raise InputError(f"{MOST_GIVEN} students have been given a value: no more are")
-        values = self.question.values
+        values, kinds = self.question.values, self.question.kinds
+        played = Counter(one.kind for one in self.given.values())
+        kind = min(kinds, key=lambda one: played[one]) if kinds else ""
         value = None
         if values:
-            held = Counter(one.value for one in self.given.values())
+            held = Counter(one.value for one in self.given.values() if one.kind == kind)
             order = [values[k] for k in spread_order(len(values))]
             value = min(order, key=lambda one: held[one])
         seed = 1 + max((one.seed for one in self.given.values()), default=0)
-        self.given[student] = StudentAssignment(value, seed)
+        self.given[student] = StudentAssignment(value, seed, kind)
         return self.given[student]
 
     def take_back(self, student: str) -> None:
@@ -161,7 +166,7 @@ class Collection:
     def begins(self, student: str, scene: CompleteSpec) -> CompleteSpec:
         """The run that a student begins with: the class's, with their value and their seed."""
         given = self.give(student)
-        spec = scene.with_values(seed=given.seed)
+        spec = self.question.begun_scene(scene).with_values(seed=given.seed)
         return spec if given.value is None else self.question.with_value(spec, given.value)
 
     def demand_room(self, student: str, ended: int = 0) -> None:

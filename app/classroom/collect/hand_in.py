@@ -176,7 +176,7 @@ def as_meant(question: Question, scene: CompleteSpec, spec: CompleteSpec, seed: 
 
     `spec`: their run. What they may change of kinds beside that is as they have it.
     """
-    meant = scene.with_values(seed=seed)
+    meant = question.begun_scene(scene).with_values(seed=seed)
     axes = [read_axis(name, question.model) for name in question.open]
     names = [axis.name for axis in axes if axis.kind or axis.moment]
     if question.parameter == AGENTS or question.parameter in meant.parameters:

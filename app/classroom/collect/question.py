@@ -12,10 +12,12 @@ import tomlkit
 from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from agents.catalogue import FILES, MODELS
+from agents.engine.heeding import MOST_KINDS
 from agents.flock import Flock
+from agents.kinds import kind_table
 from agents.models.declare import DeclaredParameter
 from agents.observables.catalogue import OBSERVABLES
-from agents.spec import CompleteSpec
+from agents.spec import CompleteSpec, Spec
 from app.classroom.collect.run_cost import MOST_TICKS, demand_cheap
 from app.strict_table import StrictTable
 from app.studies.run_axes import (
@@ -28,8 +30,9 @@ from app.studies.run_axes import (
 )
 from app.studies.sweeps.sweep_file import ObservableBound, Observe, comparison
 from app.studies.sweeps.sweep_job import StopCondition, SweepJob, demand_number, measure_of
-from app.viewer.lab.sweeps.sweep_request import allowed
+from app.viewer.lab.sweeps.sweep_request import allowed, axis_title
 from app.viewer.measuring.observable_format import observable_words as in_words
+from app.viewer.run.played_kind import with_kinds_apart
 from worlds.input_error import InputError, first_input_error, shorten, unknown
 from worlds.text_file import toml
 
@@ -97,6 +100,9 @@ class Question(StrictTable):
     """Rising; empty: students choose."""
     free: list[str] = Field(default_factory=list, max_length=MOST_FREE)
     """Parameters that students may change too; a run that differs by others is in no mean."""
+    kinds: list[str] = Field(default_factory=list, max_length=MOST_KINDS + 1)
+    """Kinds of the scene that students play in turn, each with the sliders of theirs alone; empty:
+    all have all sliders."""
     counts: Literal["last", "all"] = "last"
     """Of what a student hands in several times: the last result, or all."""
 
@@ -118,6 +124,12 @@ class Question(StrictTable):
     def declared(self) -> DeclaredParameter | None:
         """The parameter as its model declares it; None for agents and numbers of a relation."""
         return axis_parameter(self.model, self.parameter)
+
+    @property
+    def parameter_words(self) -> str:
+        """What is varied, for people."""
+        words = "agents" if self.declared is None else self.declared.words
+        return axis_title(self.model, self.parameter, words).partition(",")[0]
 
     @property
     def unit(self) -> str:
@@ -187,6 +199,13 @@ class Question(StrictTable):
         """A value of the parameter with its unit, for people."""
         return f"{value:g}" if self.unit == "1" else f"{value:g} {self.unit}"
 
+    def begun_scene(self, scene: CompleteSpec) -> CompleteSpec:
+        """The run that all begin with: where students play kinds, each has its own numbers.
+
+        Raises InputError.
+        """
+        return complete(with_kinds_apart(scene)) if self.kinds else scene
+
     def with_value(self, spec: CompleteSpec, value: float) -> CompleteSpec:
         """A run with another value of the parameter. Raises InputError."""
         number: float = round(value) if self.is_whole else value
@@ -209,9 +228,13 @@ class Question(StrictTable):
 
 def with_axes(spec: CompleteSpec, values: Mapping[str, Any]) -> CompleteSpec:
     """A run with other values of axes. Raises InputError."""
-    made = spec_with(spec, values)
-    assert isinstance(made, CompleteSpec)  # no axis opens what a run leaves open
-    return made
+    return complete(spec_with(spec, values))
+
+
+def complete(spec: Spec) -> CompleteSpec:
+    """A complete run of which nothing was opened."""
+    assert isinstance(spec, CompleteSpec)
+    return spec
 
 
 def question_of(values: object, scene: CompleteSpec, origin: str = "the question") -> Question:
@@ -260,6 +283,7 @@ def fitted(made: Question, scene: CompleteSpec) -> Question:
         allowed(made.model, name)
         if made.free.count(name) > 1 or name == made.parameter:
             raise InputError(f"free: {name} is there twice")
+    demand_played(made, scene)
     values = sorted({float(value) for value in made.values})
     if len(values) == 1:
         raise InputError(f"values: one value of {made.parameter} shows nothing: give two or more")
@@ -270,6 +294,19 @@ def fitted(made: Question, scene: CompleteSpec) -> Question:
     for value in values or [checked.value_of(scene)]:
         checked.demand_cheap(checked.with_value(scene, value))
     return checked
+
+
+def demand_played(made: Question, scene: CompleteSpec) -> None:
+    """Refuse kinds to play that the scene has not, or that nobody can play. Raises InputError."""
+    names = kind_table(scene.kinds, scene.to).names
+    for name in made.kinds:
+        if not scene.kinds:
+            raise InputError(f"kinds: {name} cannot be played: the scene has no kinds of agents")
+        if name not in names:
+            raise InputError(f"kinds: {unknown('kind', name, names)}")
+        if made.kinds.count(name) > 1:
+            raise InputError(f"kinds: {name} is there twice")
+    made.begun_scene(scene)
 
 
 def clean_title(text: str) -> str:

@@ -187,10 +187,11 @@ class StudentRequests:
         if collection is None or student.role is Role.WATCHING:
             return None
         question, given = collection.question, collection.give(student.name)
-        one, handed = question.declared, self.classroom.asking.results_of(student.name)
+        handed = self.classroom.asking.results_of(student.name)
         return {
             "title": question.title,
-            "parameter": "agents" if one is None else one.words,
+            "kind": given.kind,
+            "parameter": question.parameter_words,
             "value": None if given.value is None else question.value_text(given.value),
             "measured": question.result_words,
             "now": self.measured_now(student, question),

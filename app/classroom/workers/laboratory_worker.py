@@ -46,16 +46,24 @@ class Laboratories:
         """Where the front of the class finds a port."""
         return f"http://{HOST}:{port}/{self.secret}"
 
-    def open(self, whose: int, scene: str) -> str:
-        """Open one on a scene, or have it begin with that if it is open; where it is."""
+    def open(self, whose: int, scene: str, played: str = "") -> str:
+        """Open one on a scene, or have it begin with that if it is open; where it is.
+
+        `played`: the kind of agents that its owner plays; empty: all.
+        """
         opened = SavedScene.from_toml(scene, ORIGIN)
         if whose in self.all:
-            self.all[whose].open(opened)
+            self.all[whose].open_played(opened, played)
         else:
             front = Front(SCRIPTS, secret=self.secret)
             server = open_server(HOST, 0, front, limits=BEHIND_A_FRONT)
             self.all[whose] = Laboratory(
-                host=HOST, server=server, opened=opened, waits=True, allowance=self.allowance
+                host=HOST,
+                server=server,
+                opened=opened,
+                waits=True,
+                allowance=self.allowance,
+                played=played,
             )
         return self.at(self.all[whose].port)
 

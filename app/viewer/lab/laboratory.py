@@ -103,7 +103,8 @@ class Laboratory:
     that it opens on, instead of a `spec`. `waits`: whether the flock stands until the first browser
     is there. `results`: the folder of its sweeps. `runs`: the file in which its runs are kept;
     None: they are kept as long as it is there. `allowance`: what it may take and do; None:
-    everything. Raises InputError if the port is busy.
+    everything. `played`: the kind of agents of a scene that who sits before it plays; empty: all.
+    Raises InputError if the port is busy.
     """
 
     def __init__(
@@ -122,6 +123,7 @@ class Laboratory:
         results: Path = RESULTS,
         runs: RunsFile | None = None,
         allowance: Allowance | None = None,
+        played: str = "",
     ):
         self.server = server or open_server(host, port, Front(SCRIPTS, allow))
         self.host = host
@@ -142,6 +144,7 @@ class Laboratory:
             stored=None if isinstance(opened, SavedScene) else opened,
             allowance=allowance,
         )
+        self.simulation.play(played, spec, beside)
         self.notices = Notices(self.server, self.simulation.notices)
         with self.server.atomic():
             self.scene = Scene(self.server)
@@ -368,12 +371,16 @@ class Laboratory:
         """Set up a scene, a state or a recording in all browsers, and let it run; runs of a file
         become rows.
 
-        Raises InputError for what an allowance does not allow.
+        Raises InputError for what an allowance, or the kind that is played, does not allow.
         """
         if isinstance(opened, ReadRuns):
             self.plots.runs.take(opened.runs)
             self.simulation.notices.put(opened.told("the file"))
             return
+        if self.simulation.played is not None:
+            if not isinstance(opened, SavedScene):
+                raise self.simulation.played.refuse("the run")
+            self.simulation.played.demand_run(opened.spec, opened.beside)
         if isinstance(opened, StoredTracks):
             self.open_tracks(opened, True)
             return
@@ -419,9 +426,17 @@ class Laboratory:
 
         asked.add_done_callback(note)
 
+    def open_played(self, scene: SavedScene, played: str) -> None:
+        """Begin with a scene in which who sits before it plays a kind of agents; empty: all of
+        them. Raises InputError."""
+        self.simulation.play(played, scene.spec, scene.beside)
+        self.open(scene)
+
     def open_tracks(self, stored: StoredTracks, is_new: bool) -> None:
         """Play tracks in all browsers, or others of them, with a model or without. Raises
         InputError."""
+        if self.simulation.played is not None:
+            raise self.simulation.played.refuse("the run")
         if self.allowance is not None:
             self.allowance.demand(stored.spec, stored.beside, stored)
         self.waits = False

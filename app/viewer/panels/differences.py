@@ -125,7 +125,8 @@ class DifferencesPanel:
         if self.parameters.declaring != self.declaring:
             self.declaring = self.parameters.declaring
             self.offer(state)
-        set_visible(self.folder, bool(self.offered))
+        played = self.parameters.simulation.played
+        set_visible(self.folder, bool(self.offered) and (played is None or bool(played.own)))
         if self.slider is None or self.followed is None:
             return
         rows = {

@@ -222,7 +222,7 @@ class KindsPanel:
         self.sliders: dict[str, Any] = {}
         self.followed: dict[str, FollowedValue] = {}
         self.own: dict[str, NumberParameter] = {}
-        self.folder = gui.add_folder(TITLE, expand_by_default=False)
+        self.folder = gui.add_folder(TITLE, expand_by_default=simulation.played is not None)
         with self.folder:
             self.dials = Dials(gui)
             self.listed = gui.add_html("")
@@ -432,7 +432,10 @@ class KindsPanel:
         if not state.values:
             return
         set_visible(self.folder, state.spec.model not in PLAYED)
+        played = self.simulation.played
         told = describe_kinds(state.kinds, frame)
+        if played is not None:
+            told = f"<b>You are: {html.escape(played.name)}</b>{told}"
         if state.beside is not None and state.kinds.kinds:
             told += f'<div class="fs-quiet">{OF_FIRST}</div>'
         content = block(told)
@@ -451,6 +454,11 @@ class KindsPanel:
         if state.run != self.run:
             self.offer(state)
         set_visible(self.of_kind, bool(kinds.kinds))
+        played = self.simulation.played
+        for control in (self.predator, self.form, self.which):
+            set_visible(control, played is None)
+        if played is not None and played.name in kinds.names:
+            self.show(self.which, played.name)
         if not kinds.kinds or self.which.value not in kinds.names:
             return
         name = self.which.value
@@ -465,10 +473,14 @@ class KindsPanel:
         self.offer_parameters(state)
         relation = kinds.of(name, self.other.value)
         is_own = name != ORDINARY
-        for control in (self.number, self.colour, self.remove, self.parameter, self.own_place):
+        for control in (self.parameter, self.own_place):
             set_visible(control, is_own)
+        for free in (self.number, self.colour, self.remove):
+            set_visible(free, is_own and played is None)
+        set_visible(self.deed, played is None)
         set_visible(self.place, relation.deed in ("chase", "flee"))
-        set_visible(self.caught, relation.deed == "chase" and relation.catch > 0.0)
+        catches = relation.deed == "chase" and relation.catch > 0.0
+        set_visible(self.caught, catches and played is None)
         self.show(self.deed, next(text for text, deed in DEEDS.items() if deed == relation.deed))
         becomes = next(text for text, caught in CAUGHT.items() if caught == relation.caught)
         self.show(self.caught, becomes)

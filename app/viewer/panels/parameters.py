@@ -17,7 +17,7 @@ from agents.catalogue import MODELS, PLAYED
 from agents.individuals import Distribution
 from agents.models.declare import DeclaredParameter, NumberParameter, Parameters, declared
 from agents.models.model import Model
-from app.viewer.panels.dials import Dials, decimals, plain_symbol, step_of
+from app.viewer.panels.dials import Dials, decimals, plain_symbol, set_visible, step_of
 from app.viewer.panels.followed_value import DRAG, FollowedValue
 from app.viewer.panels.shell import block, table
 from app.viewer.run.paired_run import shared_model_parameters
@@ -98,6 +98,7 @@ class ParametersPanel:
             for name, control in controls.items():
                 if control.disabled != (stands or name in idle):
                     control.disabled = stands or name in idle
+        self.show_own()
         own = () if is_played else declared(MODELS[state.spec.model].parameters)
         changed = [one for one in own if state.values.get(one.name) != self.begun.get(one.name)]
         text = describe_changes(changed, self.begun, state.values)
@@ -106,6 +107,15 @@ class ParametersPanel:
         if text != self.changed.content:
             self.changed.content = text
         self.dials.refresh()
+
+    def show_own(self) -> None:
+        """Hide what whoever plays a kind of agents cannot change."""
+        played = self.simulation.played
+        set_visible(self.folder, played is None or bool(played.own))
+        for name, control in self.controls.items():
+            set_visible(control, played is None or name in played.own)
+        for control in self.beside_controls.values():
+            set_visible(control, played is None)
 
     async def restore_values(self, _event: viser.GuiEvent) -> None:
         """Undo the last change, or give every parameter the value that it began with."""

@@ -12,6 +12,7 @@ import numpy as np
 from agents.spec import CompleteSpec, Spec
 from app.viewer.run.command_queue import GO
 from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.played_kind import PlayedKind
 from app.viewer.run.simulation_thread import Models, SimulationThread
 from app.viewer.run.step_trial import StepTrial
 from app.viewer.run.stored_flock import InitialState
@@ -27,6 +28,14 @@ class Simulation(SimulationThread):
     and takes the same commands. A recording is played by the same commands. With an `allowance` it
     keeps to that. `clock`, s, says when ticks and frames are due.
     """
+
+    def play(self, kind: str, spec: CompleteSpec, beside: Spec | None = None) -> None:
+        """From now on let nothing of a run change but the numbers of a kind, which somebody plays.
+
+        `spec` and `beside`: the run that is set up next. Empty: everything may change. Raises
+        InputError for a kind that it has not.
+        """
+        self.played = PlayedKind(kind, spec, beside) if kind else None
 
     # Commands, from any thread.
 

@@ -35,6 +35,7 @@ from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.kernel_compiler import KernelCompiler, Preview, preview_size
 from app.viewer.run.paired_run import companion
 from app.viewer.run.playback import Playback
+from app.viewer.run.played_kind import PlayedKind
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
 from app.viewer.run.step_trial import ANOTHER, StepTrial
@@ -83,6 +84,8 @@ class SimulationThread:
         self.keeping = SimulationLimits(allowance)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.commands = CommandQueue()
+        self.played: PlayedKind | None = None
+        """The kind that who sits before it plays; None: everything may change."""
         self.edits = Edits(self)
         self.time_line = TimeLine(self)
         self.frame: Frame | None = None
@@ -510,6 +513,10 @@ class SimulationThread:
         stored: InitialState | None = None,
         trial: StepTrial | None = None,
     ) -> None:
+        if self.played is not None:
+            if stored is not None:
+                raise self.played.refuse("the run")
+            self.played.demand_run(spec, beside)
         if self.next_trial is not None:
             self.next_trial.cancel(ANOTHER)
         self.next, self.next_trial = (spec, beside, stored), trial
@@ -519,6 +526,8 @@ class SimulationThread:
 
     def take_rule_now(self, path: Path) -> str:
         """Raises InputError, after which everything is as before."""
+        if self.played is not None:
+            raise self.played.refuse("the rule")
         before = dict(MODELS)
         model = from_file(str(path))
         try:
@@ -590,6 +599,8 @@ class SimulationThread:
         run = self.require_run()
         if models not in (None, self.state.models):
             return value
+        if self.played is not None:
+            self.played.demand_parameter(name, beside)
         accepted = run.allowed(name, value, beside)
         self.change(lambda run: run.set(name, accepted, beside), name, beside)
         if accepted != value:
@@ -640,6 +651,8 @@ class SimulationThread:
     def change_kinds_now(self, kinds: KindTable) -> None:
         """Have the flock go on with other parameters and relations of its kinds."""
         run = self.require_run()
+        if self.played is not None:
+            self.played.demand_kinds(kinds)
         self.change(lambda run: run.change_kinds(kinds))
         self.pace.reset_cost()
         self.state = replace(self.state, kinds=run.kinds)
