@@ -348,7 +348,7 @@ class Classroom:
 
     async def ask(self, values: object) -> str:
         """Ask a question: all begin anew, each with a value of their own. Raises InputError."""
-        question = await self.asking.ask(values, self.scene)
+        question = await self.asking.ask(values, self.scene, moves_kinds=self.pages is None)
         self.first_role = Role.OWN
         await self.begin_anew(self.chosen(None), self.scene)
         return f"asked: {question.title}"

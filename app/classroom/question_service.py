@@ -113,11 +113,19 @@ class QuestionService:
             ],
         }
 
-    async def ask(self, values: Any, scene: SavedScene) -> Question:
-        """Ask a question about a scene. Raises InputError."""
+    async def ask(self, values: Any, scene: SavedScene, moves_kinds: bool = True) -> Question:
+        """Ask a question about a scene. Raises InputError.
+
+        `moves_kinds`: whether students have sliders of the numbers of kinds.
+        """
         if len(self.all) >= MOST_QUESTIONS:
             raise InputError(f"{MOST_QUESTIONS} questions have been asked: begin another class")
         question = await asyncio.to_thread(question_of, values, scene.spec)
+        if question.moves_kinds and not moves_kinds:
+            raise InputError(
+                "students' pages have no sliders of kinds: give values, and no kinds to play, or "
+                "begin the class with --flocks on-server"
+            )
         collection = Collection(question, scene=scene)
         self.all.append(collection)
         self.is_open, self.scene, self.told = True, scene, ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import io
 import json
@@ -21,6 +22,7 @@ from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_from_toml, question_of
 from app.classroom.collect.question_choices import parameters_of
 from app.classroom.front.student_requests import StudentRequests
+from app.classroom.question_service import QuestionService
 from app.classroom.student import Role
 from app.classroom.workers.laboratory_worker import Laboratories
 from app.studies.sweeps.checked_sweep import read_sweep
@@ -110,7 +112,7 @@ def test_a_kind_that_looks_far_costs_as_much_as_it_looks():
     with pytest.raises(InputError, match="agents that each look at 3,000 take too long"):
         question_of(asked, many.with_values(kinds=far))
     with pytest.raises(InputError, match=r"agents that each look at .* take too long"):
-        question_of(asked, many.with_values(kinds=[Kind("shark", 2, r=20.0)]))
+        question_of(asked, many.with_values(kinds=[Kind("shark", 2, r=5.0)]))
 
 
 def test_a_result_is_at_the_number_of_the_kind_and_differs_by_nothing_else():
@@ -163,6 +165,25 @@ def test_a_player_changes_what_is_free_and_what_is_more_is_told():
     assert hand_in(ROLES, "Ada", more, SCENE, WHEN).differs == ("other r of shark: 1.5, not 1",)
 
 
+def test_pages_without_sliders_of_kinds_are_asked_for_no_moves(tmp_path):
+    """A flock in a browser has the kinds, and values may be given; they move nothing of them."""
+
+    async def scenario() -> None:
+        service = QuestionService(tmp_path)
+        free = VALUES | {"values": []}
+        try:
+            for asked in (free, ROLES.to_values(), VALUES | {"free": ["shark.v0"]}):
+                with pytest.raises(InputError, match="students' pages have no sliders of kinds"):
+                    await service.ask(asked, SavedScene("Hunt", SCENE), moves_kinds=False)
+            assert service.all == []
+            await service.ask(VALUES, SavedScene("Hunt", SCENE), moves_kinds=False)
+            await service.ask(free, SavedScene("Hunt", SCENE))
+        finally:
+            await service.close()
+
+    asyncio.run(scenario())
+
+
 def test_a_class_file_has_who_plays_what():
     collection = Collection(ROLES)
     for name in ("Ada", "Bo"):
@@ -184,10 +205,10 @@ class ChangedLaboratories(Laboratories):
         """Set a number of a kind."""
         simulation = self.all[whose].simulation
         is_ordinary = kind == "flock"
-        told = (
-            simulation.set(name, value) if is_ordinary else simulation.set_kind(kind, name, value)
-        )
-        told.result(60)
+        if is_ordinary:
+            simulation.set(name, value).result(60)
+        else:
+            simulation.set_kind(kind, name, value).result(60)
 
     def open_other(self, whose: int) -> None:
         """Open another scene of the gallery."""
@@ -224,8 +245,7 @@ def test_a_student_on_the_server_has_the_sliders_of_their_kind_alone(
         rows = list(csv.DictReader(io.StringIO(room.results_csv())))
         assert [(row["student"], row["kind"]) for row in rows] == 2 * [("Ada", "shark")]
         assert room.asking.value_of("Bo").startswith("flock, ")
-        again = Classroom(SavedScene("Hunt", SCENE), 4, 1, tmp_path)
-        restore_class(again, state_of(room))
+        again = restore_class(state_of(room), tmp_path / "class.zip", 1, tmp_path)
         assert [one.kind for one in again.asking.all[0].given.values()] == ["shark", "flock"]
 
     monkeypatch.setattr(flocks, "Laboratories", ChangedLaboratories)

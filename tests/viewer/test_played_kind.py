@@ -157,7 +157,7 @@ def test_reset_and_another_seed_begin_anew_with_what_was_set(played):
 def test_who_plays_the_ordinary_agents_has_their_sliders_and_no_others(played):
     played.open_played(SavedScene("Hunt", SPEC), "flock")
     until(lambda: played.simulation.state.spec.seed == 4 and not played.simulation.state.busy)
-    until(lambda: played.parameters.controls["eta"].visible)
+    until(lambda: (one := played.parameters.controls.get("eta")) and one.visible)
     played.refresh()
     assert not played.parameters.controls["k"].visible
     assert played.kinds.which.value == "flock"
@@ -169,5 +169,5 @@ def test_who_plays_the_ordinary_agents_has_their_sliders_and_no_others(played):
     with pytest.raises(InputError, match="you play flock: k cannot be changed here"):
         played.simulation.move("k", 3).result(60)
     played.open_played(SavedScene("Hunt", SPEC), "")
-    until(lambda: played.parameters.controls["k"].visible)
+    until(lambda: (one := played.parameters.controls.get("k")) and one.visible)
     played.simulation.set("k", 3).result(60)

@@ -199,6 +199,13 @@ class Question(StrictTable):
         """A value of the parameter with its unit, for people."""
         return f"{value:g}" if self.unit == "1" else f"{value:g} {self.unit}"
 
+    @property
+    def moves_kinds(self) -> bool:
+        """Whether students move numbers of kinds, for which they need sliders."""
+        chosen = [*self.free, *([] if self.values else [self.parameter])]
+        axes = (read_axis(name, self.model) for name in chosen)
+        return bool(self.kinds) or any(axis.kind or axis.moment for axis in axes)
+
     def begun_scene(self, scene: CompleteSpec) -> CompleteSpec:
         """The run that all begin with: where students play kinds, each has its own numbers.
 
