@@ -271,16 +271,15 @@ class QuestionService:
         return "" if given is None else given.kind
 
     def value_of(self, student: str) -> str:
-        """The kind that a student plays, and the value that they try, with its unit: what the
-        latest question gave them, else that of their last result; empty without any."""
+        """The value that a student tries, with its unit: what the latest question gave them, else
+        that of their last result; empty without any."""
         if self.latest is None:
             return ""
         given, numbers = self.latest.given.get(student), self.results_of(student)
         value = None if given is None else given.value
         if value is None and numbers:
             value = self.latest.points[numbers[-1]].value
-        text = "" if value is None else self.latest.question.value_text(value)
-        return ", ".join(filter(None, ("" if given is None else given.kind, text)))
+        return "" if value is None else self.latest.question.value_text(value)
 
     def plot(self) -> bytes:
         """The results of the latest question as JSON, packed by gzip, for students: nobody's name

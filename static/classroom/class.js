@@ -59,8 +59,8 @@
   /* The value that a student tries for the question, and whether it is handed in. */
   const answered = (one) => {
     if (!known.question || !one.number || (one.role !== "own" && !one.handed)) return "";
-    const value = one.value && `${known.question.x.symbol} = ${one.value}`;
-    return [value, one.handed > 1 ? `handed in ${one.handed} times` : one.handed ? "handed in" : "not handed in"]
+    const value = one.value && `${known.question.x.symbol} = ${one.value}`, played = one.kind && `plays ${one.kind}`;
+    return [played, value, one.handed > 1 ? `handed in ${one.handed} times` : one.handed ? "handed in" : "not handed in"]
       .filter(Boolean).join(", ");
   };
   const cards = new Map();

@@ -16,7 +16,7 @@ from app.classroom.collect.question import Question
 from app.figure import NAMED, new_figure, save_figure
 from app.studies.charts.colour_table import COLOURS
 from app.studies.charts.mean_line import draw_mean_bars, draw_mean_line, draw_missing
-from app.viewer.panels.dials import plain_symbol
+from app.studies.run_axes import AGENTS
 from worlds.input_error import unknown
 
 Format = Literal["svg", "png", "pdf"]
@@ -64,11 +64,10 @@ def draw(axes: Any, collection: Collection) -> None:
 
 def parameter_label(question: Question) -> str:
     """What stands along the axis of the parameter."""
-    one = question.declared
-    if one is None:
+    if question.parameter == AGENTS:
         return "agents"
-    unit = "" if one.unit == "1" else f" ({one.unit})"
-    return f"{one.words} {plain_symbol(one.symbol)}{unit}"
+    unit = "" if question.unit == "1" else f" ({question.unit})"
+    return f"{question.parameter_words} {question.symbol}{unit}"
 
 
 def draw_curve(axes: Any, curve: ClassCurve) -> None:

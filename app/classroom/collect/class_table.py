@@ -15,9 +15,9 @@ from app.classroom.collect.collection import MOST_POINTS, Collection
 from app.classroom.collect.hand_in import Point, ResultGroup
 from app.classroom.collect.question import Question
 from app.classroom.student import student_name
+from app.studies.run_axes import AGENTS
 from app.studies.runs.database import Status
 from app.studies.sweeps.sweep_table import as_csv
-from app.viewer.panels.dials import plain_symbol
 from worlds.file_writer import unguard_cell
 from worlds.input_error import InputError, shorten
 
@@ -191,14 +191,13 @@ def to_json(collection: Collection) -> dict[str, Any]:
     the curve, is [value, runs, mean, half of its 95 % interval, sd, and the ends of the interval].
     """
     question, curve = collection.question, collection.curve
-    one = question.declared
     along, up = collection.axis_limits(() if curve is None else curve.groups)
     return {
         "title": question.title,
         "x": {
             "name": question.parameter,
-            "title": one.words if one is not None else "Agents",
-            "symbol": plain_symbol(one.symbol) if one is not None else "N",
+            "title": "Agents" if question.parameter == AGENTS else question.parameter_words,
+            "symbol": question.symbol,
             "unit": question.unit,
             "log": collection.is_log(() if curve is None else curve.values),
             "limits": list(along),

@@ -30,7 +30,7 @@ from app.studies.run_axes import (
 )
 from app.studies.sweeps.sweep_file import ObservableBound, Observe, comparison
 from app.studies.sweeps.sweep_job import StopCondition, SweepJob, demand_number, measure_of
-from app.viewer.lab.sweeps.sweep_request import allowed, axis_title
+from app.viewer.lab.sweeps.sweep_request import allowed, axis_symbol, axis_title
 from app.viewer.measuring.observable_format import observable_words as in_words
 from app.viewer.run.played_kind import with_kinds_apart
 from worlds.input_error import InputError, first_input_error, shorten, unknown
@@ -130,6 +130,11 @@ class Question(StrictTable):
         """What is varied, for people."""
         words = "agents" if self.declared is None else self.declared.words
         return axis_title(self.model, self.parameter, words).partition(",")[0]
+
+    @property
+    def symbol(self) -> str:
+        """Of what is varied, as text."""
+        return axis_symbol(self.model, self.parameter)
 
     @property
     def unit(self) -> str:

@@ -30,9 +30,8 @@ from app.studies.run_axes import (
     value_of,
 )
 from app.viewer.gallery.scene_steps import SceneStep
-from app.viewer.lab.sweeps.sweep_request import allowed, axis_title, proposed_span
+from app.viewer.lab.sweeps.sweep_request import allowed, axis_symbol, axis_title, proposed_span
 from app.viewer.measuring.observable_format import observable_words
-from app.viewer.panels.dials import plain_symbol
 from worlds.input_error import InputError
 
 How = Literal["final", "over", "until"]
@@ -100,7 +99,7 @@ def chosen(spec: CompleteSpec, axis: RunAxis) -> ParameterChoice:
     else:
         least, most = proposed_span(spec, axis, look_radius(spec))
         suggested = spread(least, most, SUGGESTED, whole, is_wide(least, most))
-    symbol = "N" if axis.name == AGENTS else "" if one is None else plain_symbol(one.symbol)
+    symbol = axis_symbol(spec.model, axis.name)
     words = "Agents" if one is None else one.words
     title = axis_title(spec.model, axis.name, words).partition(",")[0]
     unit, now = axis_unit(spec.model, axis.name), float(value_of(spec, axis.name))

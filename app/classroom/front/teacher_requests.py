@@ -156,6 +156,7 @@ class TeacherRequests:
             "frozen": one.frozen,
             "note": self.classroom.asking.runs.note(one.name),
             "seen": None if seen is None else asdict(seen),
+            "kind": one.kind,
             "value": self.classroom.asking.value_of(one.name),
             "handed": len(self.classroom.asking.results_of(one.name)),
         }

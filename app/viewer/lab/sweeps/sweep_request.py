@@ -29,6 +29,7 @@ from app.studies.run_axes import (
     value_of,
 )
 from app.studies.workers.process_executor import cores
+from app.viewer.panels.dials import plain_symbol
 from app.viewer.panels.parameters import parameter_label
 from worlds.input_error import InputError, unknown
 from worlds.world import World
@@ -308,6 +309,21 @@ def axis_title(model: str, name: str, words: str = "") -> str:
     title = words or ("Agents" if found is None else parameter_label(found)[0])
     title = f"{axis.moment.capitalize()} of {lowered(title)}" if axis.moment else title
     return f"{axis.kind}: {lowered(title)}" if axis.kind else title
+
+
+RELATION_SYMBOLS = {"weight": "w", "radius": "R", "power": "p", "catch": "c"}
+
+
+def axis_symbol(model: str, name: str) -> str:
+    """The symbol of an axis, as text; empty for a name of a user's own.
+
+    >>> axis_symbol("vem", "shark.v0"), axis_symbol("vem", "shark.agents")
+    ('v₀', 'N')
+    """
+    axis, found = read_axis(name, model), axis_parameter(model, name)
+    if found is not None:
+        return plain_symbol(found.symbol)
+    return RELATION_SYMBOLS[axis.item] if axis.other else "N" if axis.item == AGENTS else ""
 
 
 def lowered(title: str) -> str:
