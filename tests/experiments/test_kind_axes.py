@@ -17,6 +17,7 @@ from app.studies.optimisation.study import read_study
 from app.studies.run_axes import flatten_axes, numeric_axes, read_axis, spec_with, value_of
 from app.studies.sweeps.checked_sweep import read_sweep
 from app.studies.sweeps.sweep_api import sweep
+from app.studies.sweeps.sweep_file import Condition
 from worlds.input_error import InputError
 
 SHARK = Kind(
@@ -161,6 +162,15 @@ def test_a_file_sweeps_a_kind(tmp_path):
         n for n, _, _ in points
     ]
     assert len({cell.hash for cell in made.cells}) == len(made.cells)
+
+
+def test_a_condition_has_kinds_with_a_dash_in_their_names_and_takes_differences():
+    axes = ["big-fish.agents", "big-fish.v0", "eta", "big"]
+    values = {"big-fish.agents": 3, "big-fish.v0": 0.1, "eta": 2.0, "big": 1.0}
+    assert Condition("big-fish.agents - eta == big and big-fish.v0 < 1", axes).holds(values)
+    assert not Condition("eta - big > 1", axes).holds(values)
+    with pytest.raises(InputError, match=r"unknown axis 'fish.v9' .*big-fish.v0"):
+        Condition("big-fish.v9 > 0", axes)
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,8 @@ class Condition:
 
     >>> Condition("dr_a > dr_o + 1", ["dr_a", "dr_o"]).holds({"dr_a": 3, "dr_o": 1})
     True
+    >>> Condition("big-fish.agents < 3", ["big-fish.agents"]).holds({"big-fish.agents": 2})
+    True
     """
 
     def __init__(self, text: str, axes: Collection[str]):
@@ -51,7 +53,11 @@ class Condition:
         if len(text) > LONGEST:
             raise InputError(f"a condition has at most {LONGEST} characters")
         try:
-            self.tree = ast.parse(text.strip(), mode="eval").body
+            source = text.strip()
+            for axis in sorted(axes, key=len, reverse=True):
+                if "-" in axis:  # of a kind of such a name: it would be read as a difference
+                    source = source.replace(axis, axis.replace("-", DASH))
+            self.tree = ast.parse(source, mode="eval").body
             check(self.tree, text, axes)
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, InputError):
@@ -68,6 +74,15 @@ class Condition:
         except (TypeError, ArithmeticError):
             point_text = ", ".join(f"{name} = {value!r}" for name, value in values.items())
             raise InputError(f"{self.text!r} cannot be said of {point_text}") from None
+
+
+DASH = "\u02c9"
+"""Stands for the dash of an axis in what Python parses: a letter that no axis has."""
+
+
+def axis_at(node: ast.expr) -> str:
+    """The axis that a name of a condition is."""
+    return ast.unparse(node).replace(DASH, "-")
 
 
 def condition_error(text: str) -> InputError:
@@ -91,7 +106,7 @@ def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
         case ast.Constant(value=bool() | int() | float() | str()):
             return
         case ast.Name() | ast.Attribute():
-            name = ast.unparse(node)
+            name = axis_at(node)
             if name not in axes:
                 raise unknown("axis", name, axes, repr(text))
             return
@@ -121,7 +136,7 @@ def value(node: ast.AST, values: Mapping[str, Any]) -> Any:
         case ast.Constant(value=one):
             return one
         case ast.Name() | ast.Attribute():  # of `s.spread`, `shark.flock.weight`
-            return values[ast.unparse(node)]
+            return values[axis_at(node)]
     raise AssertionError(node)
 
 
