@@ -121,6 +121,8 @@ class QuestionService:
         if len(self.all) >= MOST_QUESTIONS:
             raise InputError(f"{MOST_QUESTIONS} questions have been asked: begin another class")
         question = await asyncio.to_thread(question_of, values, scene.spec)
+        if question.kinds and scene.beside is not None:
+            raise InputError("kinds: nobody plays one where two flocks are beside each other")
         if question.moves_kinds and not moves_kinds:
             raise InputError(
                 "students' pages have no sliders of kinds: give values, and no kinds to play, or "

@@ -12,6 +12,7 @@ from dataclasses import replace
 import pytest
 
 from agents.kinds import Kind, chase, kind_table
+from agents.spec import Spec
 from app.classroom import flocks
 from app.classroom.class_file import ClassState, SavedStudent, open_class, packed
 from app.classroom.class_keeper import restore_class, state_of
@@ -175,9 +176,12 @@ def test_pages_without_sliders_of_kinds_are_asked_for_no_moves(tmp_path):
             for asked in (free, ROLES.to_values(), VALUES | {"free": ["shark.v0"]}):
                 with pytest.raises(InputError, match="students' pages have no sliders of kinds"):
                     await service.ask(asked, SavedScene("Hunt", SCENE), moves_kinds=False)
-            assert service.all == []
+            two = SavedScene("Hunt", SCENE, Spec("couzin"))
+            with pytest.raises(InputError, match="where two flocks are beside each other"):
+                await service.ask(ROLES.to_values(), two)
             await service.ask(VALUES, SavedScene("Hunt", SCENE), moves_kinds=False)
             await service.ask(free, SavedScene("Hunt", SCENE))
+            assert len(service.all) == 2
         finally:
             await service.close()
 

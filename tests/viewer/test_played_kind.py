@@ -50,6 +50,7 @@ def test_kinds_apart_have_numbers_of_their_own_and_the_bits_of_before():
         ("shark", {"agents": 13}, "agents"),
         ("flock", {"agents": 13}, "agents"),
         ("shark", {"size": 5.0}, "size"),
+        ("shark", {"size": None}, "size"),
         ("shark", {"world": "wrap"}, ""),
         ("shark", {"world": "obstacles"}, "world"),
         ("shark", {"noise": "vectorial"}, "noise"),
@@ -152,6 +153,14 @@ def test_reset_and_another_seed_begin_anew_with_what_was_set(played):
     until(lambda: played.simulation.state.run > run and not played.simulation.state.busy)
     state = played.simulation.state
     assert (state.spec.seed, state.kinds.kind("shark").parameters["eta"]) == (77, 1.5)
+    run = state.run
+    played.simulation.reset().result(60)
+    until(lambda: played.simulation.state.run > run and not played.simulation.state.busy)
+    run = played.simulation.state.run
+    played.run.set_up()  # the button Setup
+    until(lambda: played.simulation.state.run > run and not played.simulation.state.busy)
+    state = played.simulation.state
+    assert (state.spec.agents, state.kinds.kind("shark").parameters["eta"]) == (12, 1.5)
 
 
 def test_who_plays_the_ordinary_agents_has_their_sliders_and_no_others(played):

@@ -144,7 +144,7 @@ class Laboratory:
             stored=None if isinstance(opened, SavedScene) else opened,
             allowance=allowance,
         )
-        self.simulation.play(played, spec, beside)
+        self.simulation.play(played, spec)
         self.notices = Notices(self.server, self.simulation.notices)
         with self.server.atomic():
             self.scene = Scene(self.server)
@@ -429,7 +429,7 @@ class Laboratory:
     def open_played(self, scene: SavedScene, played: str) -> None:
         """Begin with a scene in which who sits before it plays a kind of agents; empty: all of
         them. Raises InputError."""
-        self.simulation.play(played, scene.spec, scene.beside)
+        self.simulation.play(played, scene.spec)
         self.open(scene)
 
     def open_tracks(self, stored: StoredTracks, is_new: bool) -> None:

@@ -40,8 +40,6 @@ class PlayedKind:
 
     name: str
     spec: Spec
-    beside: Spec | None = None
-    """The model beside it."""
 
     def __post_init__(self) -> None:
         names = kind_table(self.spec.kinds, self.spec.to).names
@@ -56,21 +54,19 @@ class PlayedKind:
 
     def demand_run(self, spec: Spec, beside: Spec | None) -> None:
         """Raise InputError for a run that differs by more than its own numbers and the seed."""
-        if beside != self.beside:
+        if beside is not None:
             raise self.refuse("the model beside")
         meant, given = self.options(self.spec), self.options(spec)
         for name, value in meant.items():
-            if given[name] != value:
+            if given.get(name) != value:
                 raise self.refuse(name)
         self.demand_kinds(kind_table(spec.kinds, spec.to))
 
     def options(self, spec: Spec) -> dict[str, Any]:
-        """What of a run is not its own, but for kinds; a size that is left open is the world's."""
+        """What of a run is not its own, but for kinds and the seed."""
         declared = checked(MODELS[spec.model].parameters, spec.parameters).model_dump()
         values = declared | spec.individuals
-        options = {name: getattr(spec, name) for name in OPTIONS if name not in ("seed", "size")}
-        if spec.size is not None and self.spec.size is not None:
-            options["size"] = spec.size
+        options = {name: getattr(spec, name) for name in OPTIONS if name != "seed"}
         return options | {"model": spec.model} | {
             name: value for name, value in values.items() if name not in self.own
         }  # fmt: skip

@@ -29,13 +29,13 @@ class Simulation(SimulationThread):
     keeps to that. `clock`, s, says when ticks and frames are due.
     """
 
-    def play(self, kind: str, spec: CompleteSpec, beside: Spec | None = None) -> None:
+    def play(self, kind: str, spec: CompleteSpec) -> None:
         """From now on let nothing of a run change but the numbers of a kind, which somebody plays.
 
-        `spec` and `beside`: the run that is set up next. Empty: everything may change. Raises
-        InputError for a kind that it has not.
+        `spec`: the run that is set up next. Empty: everything may change. Raises InputError for a
+        kind that it has not.
         """
-        self.played = PlayedKind(kind, spec, beside) if kind else None
+        self.played = PlayedKind(kind, spec) if kind else None
 
     # Commands, from any thread.
 
