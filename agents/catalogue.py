@@ -30,6 +30,7 @@ from agents.models.declare import Body, Rule, declared
 from agents.models.model import Model
 from agents.models.model_calls import declared_functions
 from agents.models.rule_file import declaration_in_file
+from agents.policies import POLICIES, Policy
 from agents.rules import (
     active_brownian,
     boundary_points,
@@ -296,16 +297,19 @@ ON_WHEELS = "-cars"
 
 MODELS = collect()
 FILES: dict[str, Path] = {}
-"""The files that models were read from, by the models' names."""
+"""The files that models were read from, by their names; those of policies by `policy NAME`."""
 
 
-def from_file(path: str) -> Model:
-    """Load the model of a rule file and add it to the catalogue. Raises InputError.
+def from_file(path: str) -> Model | Policy:
+    """Load the model of a rule file, or a policy, and add it to the catalogue. Raises InputError.
 
-    An edited file replaces what it brought before; none replaces a model of anything else.
+    An edited file replaces what it brought before; none replaces what is of anything else.
     """
+    declaration = declaration_in_file(path)
+    if isinstance(declaration, Policy):
+        return take_policy(path, declaration)
     try:
-        name, loaded_model = model_of_entry(path, declaration_in_file(path))
+        name, loaded_model = model_of_entry(path, declaration)
     except (TypeError, AssertionError) as error:
         raise InputError(f"{path}: {error}") from None
     if name in MODELS and FILES.get(name) != Path(path).resolve():
@@ -314,6 +318,17 @@ def from_file(path: str) -> Model:
         take_over(name, loaded_model)
         FILES[name] = Path(path).resolve()
     return MODELS[name]
+
+
+def take_policy(path: str, declared_policy: Policy) -> Policy:
+    """Add a policy to the catalogue. Raises InputError if another file has one of its name."""
+    name = declared_policy.name
+    key = f"policy {name}"
+    if name in POLICIES and FILES.get(key) != Path(path).resolve():
+        raise InputError(f"{path}: there is a policy {name!r} already; it needs another name")
+    if name not in POLICIES or POLICIES[name].digest != declared_policy.digest:
+        POLICIES[name], FILES[key] = declared_policy, Path(path).resolve()
+    return POLICIES[name]
 
 
 def take_over(name: str, taken: Model) -> None:

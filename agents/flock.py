@@ -15,7 +15,6 @@ from pydantic import BaseModel
 from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
-from agents.hunting_motion import HuntingMotion
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.kinds import Kind, KindTable, kind_table
 from agents.mesa_import import mesa
@@ -45,6 +44,7 @@ from agents.state.start import (
     random_start,
     spread,
 )
+from agents.steered_motion import SteeredMotion
 from agents.strips.strip_engine import checked_ranks
 from worlds.generators import draw_obstacles
 from worlds.input_error import InputError, shorten, unknown
@@ -60,8 +60,9 @@ OTHER_WORDS = {word: name for name, one in OPTIONS.items() for word in one.also}
 MOST_DRAWN = 1_000
 """Agents in the picture that a notebook shows of a flock."""
 MOST_THREADS = 1024
-MADE_ANEW = {"_engine", "_wind", "context", "passing", "processes"}
-"""Attributes of a flock that follow from the others, and hold compiled code or processes."""
+MADE_ANEW = {"_engine", "_policies", "_wind", "context", "passing", "pilots", "processes", "tell"}
+"""Attributes of a flock that follow from the others, hold compiled code or processes, or are of
+whoever runs it."""
 OWN_WORDS = (
     *("start", "rng", "threads", "ranks", "interpret"),
     *("collect", "model_reporters", "agent_reporters"),
@@ -70,7 +71,7 @@ OWN_WORDS = (
 """What `Flock` takes beside options and parameters."""
 
 
-class Flock(TickClock, HuntingMotion):
+class Flock(TickClock, SteeredMotion):
     """A flock of one model in one world.
 
     Parameters
@@ -209,6 +210,7 @@ class Flock(TickClock, HuntingMotion):
         self.individuals, self.redrawn, self.drawn = dict(spec.individuals), {}, {}
         self.kinds = kind_table(spec.kinds, spec.to)
         self.catches = Passages.none(self.world.dim)
+        self._policies = None
         if start is None:
             begin, own = self._random_start()
         else:

@@ -28,6 +28,7 @@ from agents.engine.heeding import (
     WEIGHT,
 )
 from agents.individuals import Distribution, as_distribution
+from agents.policies import demand_policy_name
 from worlds.input_error import InputError, shorten, unknown
 
 ORDINARY = "flock"
@@ -42,9 +43,11 @@ DEEDS = ("own", "ignore", "flee", "chase")
 CAUGHT_ARE = ("taken", "frozen", "moved", "counted")
 """What becomes of who is caught: it leaves the flock, stands still and nobody meets it, begins anew
 elsewhere, or nothing but that it is counted."""
-KEYS = ("name", "agents", "model", "parameters", "start", "colour", "to", "steered")
-"""What a table of a kind may say."""
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
+STEERING_FIELDS = ("steered", "policy")
+"""What a table of a kind says of how its agents are steered."""
+KEYS = ("name", "agents", "model", "parameters", "start", "colour", "to", *STEERING_FIELDS)
+"""What a table of a kind may say."""
 
 
 @dataclass(frozen=True)
@@ -162,6 +165,8 @@ class Kind:
     """Whether its agents are told from outside what to wish, by `Flock.steer`."""
     model: str = ""
     """The name of a model of its own, whose parameters it then has; empty: the flock's."""
+    policy: str = ""
+    """The name of the policy that flies them; then they are steered."""
 
     def __init__(
         self,
@@ -174,6 +179,7 @@ class Kind:
         to: Mapping[str, Any] | None = None,
         steered: Any = False,
         model: Any = "",
+        policy: str = "",
         **more: Any,
     ) -> None:
         if (
@@ -211,14 +217,20 @@ class Kind:
         object.__setattr__(self, "to", relations)
         if not isinstance(steered, bool):
             raise InputError(f"kind {name}: steered = {shorten(steered)} is not true or false")
-        object.__setattr__(self, "steered", steered)
         if not isinstance(model, str):
             raise InputError(f"kind {name}: model = {shorten(model)} is not the name of a model")
-        if model and steered:
+        if model and (steered or policy):
             raise InputError(
                 f"kind {name} has a model of its own, {shorten(model)}: it cannot be steered"
             )
         object.__setattr__(self, "model", model)
+        if policy:
+            try:
+                demand_policy_name(policy)
+            except InputError as error:
+                raise InputError(f"kind {name}: {error}") from None
+        object.__setattr__(self, "steered", steered or bool(policy))
+        object.__setattr__(self, "policy", policy)
 
     def with_parameters(self, values: Mapping[str, Any]) -> Kind:
         """The same with some parameters changed."""
@@ -238,7 +250,9 @@ class Kind:
                 name: value.to_value() if isinstance(value, Distribution) else value
                 for name, value in self.parameters.items()
             }
-        if self.steered:
+        if self.policy:
+            values["policy"] = self.policy
+        elif self.steered:
             values["steered"] = True
         if self.to:
             values["to"] = {name: one.to_value() for name, one in self.to.items()}

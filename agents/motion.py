@@ -108,6 +108,8 @@ class Motion(FlockState):
     kind `eta of shark`."""
     drawn: Mapping[str, int] = MappingProxyType({})
     """Of how many agents, by the same names."""
+    tell: Callable[[str], object] = staticmethod(lambda line: None)  # noqa: ARG005
+    """What is given a line that whoever watches is to be told while it runs."""
     _came_from: tuple[np.ndarray, np.ndarray] | None = None
     """Where agents were before the last tick, by identity; None where that is not known."""
 
@@ -667,12 +669,21 @@ class Motion(FlockState):
     def _ticks_together(self, ticks: int) -> int:
         """How many of so many ticks, one at least, run before an event, or somebody may come or
         go."""
-        ticks = self._ticks_to_event(1 if self.kinds.catchers else ticks)
+        is_single = bool(self.kinds.catchers) or self.is_flown
+        ticks = self._ticks_to_event(1 if is_single else ticks)
         return self._ticks_to_gates(ticks) if self.world.has_gates else ticks
 
     def _ticks_to_gates(self, ticks: int) -> int:
         """How many of so many ticks, one at least, run before somebody may come or go."""
         return ticks
+
+    @property
+    def is_flown(self) -> bool:
+        """Whether somebody is asked, tick by tick, what steered agents wish."""
+        return False
+
+    def _ask_pilots(self) -> None:
+        """Ask who flies agents what these wish in the coming tick."""
 
     def _catch(self) -> None:
         """Let those who chase catch who is near enough."""
@@ -704,6 +715,8 @@ class Motion(FlockState):
 
     def _run(self, ticks: int, until: EngineStopCondition = NEVER, trace: np.ndarray = UNTRACED):
         """Run the compiled loop from this tick on; what its `run` answers."""
+        if self.is_flown:
+            self._ask_pilots()
         if self.kinds.catchers:
             self._came_from = self.ids.copy(), self.position.copy()
         return self.engine.run(self._context_with_wind(ticks), self.tick, ticks, until, trace)
@@ -785,6 +798,8 @@ class Motion(FlockState):
         if row in self._acted:
             self._end_tick()
         if not self._acted:
+            if self.is_flown:
+                self._ask_pilots()
             self.engine.open(self.context, self.tick)
         self.engine.one(self._context_with_wind(1), self.tick, row)
         self._acted.add(row)

@@ -2,10 +2,12 @@
 
     uv run python docs/learn_to_evade.py
     uv run python docs/learn_to_evade.py --out docs/learning.png
+    uv run python docs/learn_to_evade.py --policy evade.py
 
 The policy is a weighted sum of what the agent sees. CMA-ES (the package cma) looks for the weights
 with which it lives longest. The printed lines are the generations: how long the best, the mean and,
-on runs that it never saw, the found policy live, in ticks.
+on runs that it never saw, the found policy live, in ticks. `--policy` writes it as a file that
+`flockscope lab --rule` flies.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from flockscope import Kind, chase, gym_env
 
 TICKS = 300
 GENERATIONS = 16
+NEAREST = 4
+"""Of how many others the policy sees."""
 SHARP = 0.1
 """The sharpest turn of a tick, in half turns: who turns at random on the spot is soon caught."""
 SEEDS = range(4)
@@ -34,7 +38,7 @@ def make_env():
     hunters = Kind("shark", 3, v0=0.025, to={"robot": chase(3.0, 4.0, catch=0.15)})
     return gym_env(
         "vem", "robot", agents=1, size=4.0, eta=0.0, kinds=[prey, hunters],
-        reward="evade", ticks=TICKS, k=4,
+        reward="evade", ticks=TICKS, k=NEAREST,
     )  # fmt: skip
 
 
@@ -74,6 +78,28 @@ def learn(env) -> tuple[np.ndarray, list[tuple[float, float]]]:
     return search.result.xfavorite, course
 
 
+POLICY = '''"""A policy that has learned to evade predators, by docs/learn_to_evade.py."""
+
+import numpy as np
+
+from flockscope import policy
+
+WEIGHTS = np.array({weights})
+
+
+@policy(k={k})
+def evade(seen):
+    """How far each agent turns, in half turns."""
+    return {sharp} * np.tanh(seen @ WEIGHTS[:-1] + WEIGHTS[-1])
+'''
+
+
+def write_policy(weights: np.ndarray, out: Path) -> None:
+    """Write the policy of these weights as a file."""
+    numbers = [round(float(weight), 6) for weight in weights]
+    out.write_text(POLICY.format(weights=numbers, k=NEAREST, sharp=SHARP), "utf-8")
+
+
 def draw(course: list[tuple[float, float]], out: Path) -> None:
     """The curve, as a picture."""
     from app.figure import new_figure, write_figure
@@ -95,6 +121,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--out", type=Path, help="where to draw the curve, PNG or SVG")
+    parser.add_argument("--policy", type=Path, help="where to write the policy, FILE.py")
     options = parser.parse_args()
     env = make_env()
     begun = time.perf_counter()
@@ -106,6 +133,8 @@ def main() -> None:
         f"learned in {took:.0f} s; on {len(UNSEEN)} runs that it never saw it lives "
         f"{after:.0f} ticks of {TICKS}, and {before:.0f} where it flies straight on"
     )
+    if options.policy:
+        write_policy(weights, options.policy)
     if options.out:
         draw(course, options.out)
 

@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     from flockscope._models import normal as normal
     from flockscope._models import one_of as one_of
     from flockscope._models import uniform as uniform
+    from flockscope._policies import Policy as Policy
+    from flockscope._policies import policy as policy
     from flockscope._sweeps import batch_run as batch_run
     from flockscope._sweeps import optimise as optimise
     from flockscope._sweeps import runs_frame as runs_frame
@@ -81,6 +83,7 @@ _HOMES = {
         *("Kind", "chase", "flee"),
     ),
     "_learning": ("env", "gym_env"),
+    "_policies": ("Policy", "policy"),
     "_sweeps": ("batch_run", "optimise", "runs_frame", "sensitivity", "sweep"),
     "worlds": (
         *("Box", "CShape", "Disc", "Goal", "InputError", "Mission", "Path", "Polygon", "Prism"),

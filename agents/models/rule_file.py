@@ -1,4 +1,4 @@
-"""Load the `RULE` or the `MODEL` of an author's own Python file, which needs no package."""
+"""Load the rule, the model or the policy of an author's own Python file, which needs no package."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import hashlib
 import linecache
 import sys
 import traceback
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
+from agents.policies import Policy
 from worlds.input_error import InputError
 from worlds.text_file import read_text
 
@@ -17,21 +19,26 @@ NAMES = ("MODEL", "RULE")
 
 
 def declaration_in_file(path: str | Path) -> object:
-    """The `MODEL`, or else the `RULE`, of a Python file, which is run for it.
+    """The `MODEL`, or else the `RULE`, or the policy of a Python file, which is run for it.
 
     Modules beside it can be imported. Raises InputError naming the file, and the line, for one that
-    cannot be read, has a fault in it, or has neither.
+    cannot be read, has a fault in it, or has none of these, or several policies.
     """
     file = Path(path)
     text = read_text(repr(str(path)), file)
     digest = hashlib.sha256(f"{file.resolve()}\0{text}".encode()).hexdigest()[:16]
     module = sys.modules.get(name := f"rule_file_{digest}") or run(file, text, name)
-    declarations = [
-        vars(module)[wanted_name] for wanted_name in NAMES if wanted_name in vars(module)
-    ]
-    if not declarations:
-        raise InputError(f"{file.name} has neither a RULE nor a MODEL ({path})")
-    return declarations[0]
+    for wanted_name in NAMES:
+        if wanted_name in vars(module):
+            return vars(module)[wanted_name]
+    policies = {id(value): value for value in vars(module).values() if isinstance(value, Policy)}
+    if not policies:
+        raise InputError(f"{file.name} has neither a RULE nor a MODEL nor a policy ({path})")
+    if len(policies) > 1:
+        names = ", ".join(sorted(one.name for one in policies.values()))
+        raise InputError(f"{file.name} has several policies, {names}: one is needed ({path})")
+    (policy,) = policies.values()
+    return replace(policy, file=str(file.resolve()), digest=digest)
 
 
 def run(file: Path, text: str, name: str) -> ModuleType:

@@ -14,6 +14,7 @@ from app.cli.options.run_arguments import (
     GivenOptions,
     compared_model,
     demand_alone,
+    demand_policies,
     file_argument,
     is_file,
     option_name,
@@ -175,6 +176,8 @@ def run(
             print_stderr(describe_uneven_end(flock.tick, length, every))
     if lookout.found is not None:
         result["astray"] = str(lookout.found)
+    if flock.faults:
+        result["faults"] = list(flock.faults)
     if json_asked:
         files = {"recording": record, "state": save, "spec_file": save_spec}
         typer.echo(as_json({**result, **{name: str(path) for name, path in files.items() if path}}))
@@ -249,9 +252,15 @@ def build_flock(
         print_stderr(f"flockscope: {beside}, which {file} shows beside it, is not run")
     with origins.naming_origins():
         flock = Flock(spec, **runs_how)
+    flock.tell = tell_fault
     if not quiet:
         tell_versions("the spec was written", spec, flock)
     return flock
+
+
+def tell_fault(line: str) -> None:
+    """Tell on stderr what has gone wrong with who flies agents, however quiet it is to be."""
+    print_stderr(f"flockscope: {line}")
 
 
 def tell_versions(what: str, spec: Spec, flock: Flock) -> None:
@@ -286,6 +295,8 @@ def load_flock(
         tell_versions("the state was saved", flock.options, flock)
     with origins.naming_origins():
         flock.set(**parameters)
+        demand_policies(flock.kinds.kinds)
+    flock.tell = tell_fault
     return flock
 
 

@@ -21,6 +21,9 @@ NOT_RUN = {
     "uv run python docs/learn_to_evade.py --out learning.png": (
         "takes a minute: tests/test_learning.py runs a generation of it"
     ),
+    "uv run python docs/learn_to_evade.py --policy evade.py": (
+        "takes a minute: tests/test_policies.py flies what it writes"
+    ),
     "git clone --depth 1 https://github.com/PedestrianDynamics/jupedsim": "asks the network",
     "curl -X POST -H 'X-Flockscope: stop' http://localhost:8080/emergency": (
         "needs a room that is open: tests/attacks/test_stop_way.py presses it so"

@@ -161,7 +161,15 @@ def keep_fish(path):
     np.save(path, np.array(held, object), allow_pickle=True)
 
 
+def learn_nothing(path):
+    """A policy as docs/learn_to_evade.py writes it, that goes straight on."""
+    script = {}
+    exec((ROOT / "docs" / "learn_to_evade.py").read_text("utf-8"), script)
+    script["write_policy"](np.zeros(31), path)
+
+
 READERS_OWN = {
+    ("docs/steer.md", "evade.py"): learn_nothing,
     ("docs/tracks.md", "fish.npy"): keep_fish,
     ("docs/laboratory-plots.md", "results/runs.jsonl"): keep_a_run,
     ("docs/first-examples.md", "lab.toml"): lambda path: path.write_text(

@@ -6,7 +6,7 @@ import inspect
 import os
 import re
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
@@ -16,9 +16,19 @@ import typer
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
-from agents.kinds import DEEDS, NO_KINDS, Kind, KindTable, Relation, kind_table
+from agents.kinds import (
+    DEEDS,
+    NO_KINDS,
+    STEERING_FIELDS,
+    Kind,
+    KindTable,
+    Relation,
+    kind_table,
+)
 from agents.models.declare import Parameters
+from agents.policies import known_policy
 from agents.spec import KEYS, OPTIONS, Option, Spec, several
+from app.cli.terminal.usage import FLYING
 from app.settings import assignment, numbers
 from app.studies.key_lines import place
 from worlds.input_error import InputError, nearest, shorten, unknown
@@ -72,7 +82,7 @@ def parameter(name: str, option: Option) -> inspect.Parameter:
 OF_KINDS = {
     "kind": "A kind of agents beside the others, NAME=NUMBER, then its parameters and what it does "
     "about others: shark=2,s=4,chase=flock,radius=5,catch=0.3; model=NAME gives it a model of its "
-    "own. May be repeated",
+    "own, policy=NAME flies it. May be repeated",
     "relation": "What the agents of a kind do about those of another, KIND:OTHER=DEED with its "
     "numbers: flock:shark=flee,weight=2,radius=3. May be repeated",
 }
@@ -123,6 +133,7 @@ def read_kind(text: str) -> Kind:
     details = {key: values.pop(key) for key in DETAILS if key in values}
     colour, start = values.pop("colour", ""), values.pop("start", None)
     model = values.pop("model", "")
+    flown = {key: values.pop(key) for key in STEERING_FIELDS if key in values}
     if details and not deeds:
         raise InputError(
             f"{next(iter(details))} of kind {name} belongs to none of {', '.join(DEEDS)} (--kind)"
@@ -136,7 +147,9 @@ def read_kind(text: str) -> Kind:
     if start is not None:
         corners = [list(map(float, corner.split("x"))) for corner in str(start).split("..")]
         start = corners
-    return Kind(name, count, parameters=values, colour=str(colour), start=start, to=to, model=model)
+    return Kind(
+        name, count, parameters=values, colour=str(colour), start=start, to=to, model=model, **flown
+    )
 
 
 def read_relation(text: str) -> tuple[str, str, Relation]:
@@ -215,7 +228,22 @@ def requested_run(
         parameters = {**values.pop("parameters", {}), **changed}
         spec = with_kinds(Spec(**values, parameters=parameters), kinds, relations)
         demand_parameters(changed, [find_model(spec.model).parameters])
+        demand_policies(spec.kinds)
     return spec, origins
+
+
+def demand_policies(kinds: Sequence[Kind]) -> None:
+    """Raise InputError for a policy of kinds that no file has brought, and for one that `--rule`
+    has brought and that flies none of them."""
+    names = [kind.policy for kind in kinds if kind.policy]
+    for name in names:
+        known_policy(name)
+    for name in FLYING:
+        if name not in names:
+            raise InputError(
+                f"policy {name} flies nobody: give a kind that it flies, --kind "
+                f"NAME=NUMBER,policy={name}"
+            )
 
 
 def option_name(key: str) -> str:

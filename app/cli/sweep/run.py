@@ -25,7 +25,7 @@ from app.cli.sweep.clusters import (
 from app.cli.sweep.sweep_choice import SweepOptions
 from app.cli.terminal.outcome_table import as_json, print_stderr
 from app.cli.terminal.progress import runs_progress
-from app.cli.terminal.usage import PrintJson, Quiet, with_option_groups
+from app.cli.terminal.usage import PrintJson, Quiet, Rules, with_option_groups
 from app.settings import check_whole_number
 from worlds.number_text import counted, duration
 
@@ -129,6 +129,7 @@ def run(
     plot: Annotated[
         bool, typer.Option("--plot", help="Draw each observable as PNG and SVG at the end.")
     ] = False,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:

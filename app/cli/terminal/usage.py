@@ -206,13 +206,22 @@ def parameter_name(param: Any) -> str:
 # The option `--rule FILE.py`: a rule of one's own, wherever a model's name may stand.
 
 
+FLYING: list[str] = []
+"""The policies that `--rule` has brought on this command line."""
+
+
 def load_rule_files(files: list[str] | None) -> list[str]:
-    """Take the rules of files into the catalogue; the names of their models. Raises InputError."""
+    """Take the rules and policies of files into the catalogue; the names of the models. Raises
+    InputError."""
+    FLYING.clear()
     if not files:
         return []
     from agents.catalogue import from_file
+    from agents.policies import Policy
 
-    return [from_file(file).name for file in files]
+    declarations = [from_file(file) for file in files]
+    FLYING.extend(one.name for one in declarations if isinstance(one, Policy))
+    return [one.name for one in declarations if not isinstance(one, Policy)]
 
 
 def model_name(model: str | None) -> str | None:
@@ -223,7 +232,15 @@ def model_name(model: str | None) -> str | None:
 
         if model in PLAYED:
             raise InputError(f"{model} is no model to run: `flockscope lab --tracks FILE` plays it")
-    return load_rule_files([model])[0] if model is not None and model.endswith(".py") else model
+    if model is None or not model.endswith(".py"):
+        return model
+    from agents.catalogue import from_file
+    from agents.policies import Policy
+
+    declaration = from_file(model)
+    if isinstance(declaration, Policy):
+        raise InputError(f"{model} has a policy, which is no model: give it by --rule {model}")
+    return declaration.name
 
 
 def first_of(model: str | None, rules: list[str] | None) -> str | None:
@@ -246,6 +263,6 @@ Rules = Annotated[
         callback=load_rule_files,
         is_eager=True,
         metavar="FILE.py",
-        help="A Python file with a RULE or a MODEL of your own; may be repeated.",
+        help="A Python file with a RULE, a MODEL or a policy of your own; may be repeated.",
     ),
 ]

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from agents.catalogue import from_file
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES, telling_observables
+from agents.policies import known_policy
 from agents.spec import Options, Spec
 from app.strict_table import StrictTable
 from app.studies.key_lines import KeyLocations, name_in_refusal
@@ -210,6 +211,9 @@ def base_of(file: SweepFile, places: KeyLocations, folder: Path) -> Spec:
         world = str(find_file(world, folder).absolute())
     options = {key: getattr(run, key) for key in Options.model_fields}
     try:
+        for kind in run.kinds:
+            if kind.policy:
+                known_policy(kind.policy)
         return Spec(
             name,
             agents=run.agents,

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from agents.flock import Flock
+from agents.policies import known_policy
 from agents.spec import Spec, changed_versions, versions
 from app.strict_table import Value
 from app.studies.runs.store import canonical
@@ -110,6 +111,11 @@ class Basis:
             },
             f"the world {flock.world.name}": self.world(spec, flock.world),
             "how a flock starts": digest.hexdigest()[:12],
+            **{
+                f"the policy {kind.policy}": known_policy(kind.policy).digest
+                for kind in run.kinds
+                if kind.policy
+            },
             **{f"the measure {name}": measure for name, measure in self.measures.items()},
         }
         redrawn = sum(flock.redrawn.values())

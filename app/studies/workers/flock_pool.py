@@ -10,6 +10,7 @@ from typing import Any
 
 from agents.flock import Flock
 from app.studies.workers.run_worker import stop_if_unwanted
+from worlds.input_error import InputError
 
 MOST_FLOCKS = 64
 MOST_AGENTS = 100_000
@@ -53,9 +54,14 @@ class FlockPool(threading.local):
 
 
 def run_ticks(flock: Flock, ticks: int) -> None:
-    """Run ticks as `flock.run` does, for as long as somebody waits for the run."""
+    """Run ticks as `flock.run` does, for as long as somebody waits for the run.
+
+    Raises InputError where a policy gives up: what is measured of the rest would be of another run.
+    """
     at_once = max(1, AT_ONCE // max(1, len(flock.ids)))
     while ticks > 0:
         flock.run(min(ticks, at_once))
         ticks -= at_once
+        if flock.faults:
+            raise InputError(flock.faults[0])
         stop_if_unwanted()

@@ -23,6 +23,7 @@ from agents.flock import Flock
 from agents.individuals import Distribution, moved, normal
 from agents.kinds import Kind, KindTable, replace_kind
 from agents.models.rule_file import describe_fault
+from agents.policies import Policy
 from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense
@@ -112,6 +113,8 @@ class SimulationThread:
         """What measures that run, if it is one of a lesson's step."""
         self.stale = False
         """Whether the flock has changed since the last frame."""
+        self.told: set[str] = set()
+        """What its flocks have told since the last set-up."""
         self.next_frame = 0.0
         self.closing = False
         self.thread = threading.Thread(target=self.live, name="simulation", daemon=True)
@@ -280,6 +283,7 @@ class SimulationThread:
             return
         (spec, beside, stored), self.next = self.next, None
         trial, self.next_trial = self.next_trial, None
+        self.told.clear()
         self.end_trials(self.run, None if self.preview is None else self.preview.coming)
         self.state = replace(self.state, busy=True)
         try:
@@ -371,7 +375,16 @@ class SimulationThread:
         number = self.state.run + 1
         run = self.building.run(flock, beside, stored, number, self.wanted, self.watched)
         self.keeping.take(run)
+        for flock_run in run.both:
+            flock_run.flock.tell = self.tell_once
         return run
+
+    def tell_once(self, line: str) -> None:
+        """Tell what has gone wrong with who flies agents: once for a preview and the run that
+        follows it."""
+        if line not in self.told:
+            self.told.add(line)
+            self.notices.put(line)
 
     def compile_ahead(self, *runs: FlockRun) -> None:
         """Have compiled what runs call, and nothing else, if it is not at hand."""
@@ -530,6 +543,8 @@ class SimulationThread:
             raise self.played.refuse("the rule")
         before = dict(MODELS)
         model = from_file(str(path))
+        if isinstance(model, Policy):  # whoever flies by it asks the new one in the next tick
+            return model.name
         try:
             if model is not before.get(model.name):
                 self.go_on_under(model.name)
