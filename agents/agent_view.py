@@ -210,17 +210,23 @@ def wishes_of_actions(
     Numbers beyond [-1, 1] are cut off.
     """
     actions = np.clip(actions, -1.0, 1.0)
-    axes = frames_of(flock.heading[rows])
-    wishes: np.ndarray
     if flock.model.rule.wish != "heading":
-        wishes = scale * np.einsum("ma,mad->md", actions, axes)
+        axes = frames_of(flock.heading[rows])
+        wishes: np.ndarray = scale * np.einsum("ma,mad->md", actions, axes)
         return wishes
-    turn = np.pi * actions[:, :1]
-    wishes = np.cos(turn) * axes[:, 0] + np.sin(turn) * axes[:, 1]
+    quarters = np.array([1.0, 0.5])[: actions.shape[1]]
+    return turned_headings(flock.heading[rows], np.pi * quarters * actions)
+
+
+def turned_headings(headings: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Headings (M, dim) turned by angles (M, dim - 1), rad: to the left, and in space up."""
+    axes = frames_of(headings)
+    turn = angles[:, :1]
+    turned: np.ndarray = np.cos(turn) * axes[:, 0] + np.sin(turn) * axes[:, 1]
     if axes.shape[1] == 3:
-        climb = 0.5 * np.pi * actions[:, 1:]
-        wishes = np.cos(climb) * wishes + np.sin(climb) * axes[:, 2]
-    return wishes
+        climb = angles[:, 1:]
+        turned = np.cos(climb) * turned + np.sin(climb) * axes[:, 2]
+    return turned
 
 
 def frames_of(headings: np.ndarray) -> np.ndarray:

@@ -593,10 +593,15 @@ class Motion(FlockState):
         is_given = ~np.isnan(array).any(axis=1)
         if not np.isfinite(array[is_given]).all():
             raise InputError(f"wishes of kind {kind} are not all finite numbers")
+        self.steer_rows(rows, array)
+
+    def steer_rows(self, rows: np.ndarray, wishes: np.ndarray) -> None:
+        """The same of the agents of rows (M,) of steered kinds, with what has been checked."""
+        is_given = ~np.isnan(wishes).any(axis=1)
         self.arrays.wish[rows] = np.nan
         steered_rows = rows[is_given]
         self.arrays.wish[steered_rows] = 0.0
-        self.arrays.wish[steered_rows, : self.world.dim] = array[is_given]
+        self.arrays.wish[steered_rows, : self.world.dim] = wishes[is_given]
 
     def _own_of_new(self, ids: np.ndarray) -> np.ndarray:
         """The own parameters of agents that join: what is given agent by agent they share."""

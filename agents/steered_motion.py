@@ -20,6 +20,10 @@ class Pilot(Protocol):
     fault: str
     """What has gone wrong, in one line; empty: nothing."""
 
+    @property
+    def is_active(self) -> bool:
+        """Whether it wants to be asked in the coming tick."""
+
     def steer(self, flock: Motion) -> None:
         """Write what its agents wish in the coming tick."""
 
@@ -38,11 +42,16 @@ class PolicyPilot:
         self.is_cut = False
         """Whether an action was beyond [-1, 1], which is told once."""
 
+    @property
+    def is_active(self) -> bool:
+        """Until it has given up."""
+        return not self.fault
+
     def steer(self, flock: Motion) -> None:
         """Ask the policy what its agents do, of what they see now. Raises InputError if it ends the
         run."""
         rows = flock.rows_of(self.kind)
-        if self.fault or not len(rows):
+        if not len(rows):
             return
         policy = self.policy
         rows = rows[np.argsort(flock.ids[rows])]
@@ -99,7 +108,8 @@ class SteeredMotion(HuntingMotion):
     @property
     def is_flown(self) -> bool:
         """Whether somebody is asked, tick by tick, what steered agents wish."""
-        return bool(self.pilots) or any(kind.policy for kind in self.kinds.kinds)
+        is_asked = any(pilot.is_active for pilot in self.pilots)
+        return is_asked or any(kind.policy for kind in self.kinds.kinds)
 
     def _ask_pilots(self) -> None:
         """Ask who flies agents what these wish in the coming tick. Raises InputError for a policy
@@ -111,7 +121,8 @@ class SteeredMotion(HuntingMotion):
             if kind.policy
         }
         for pilot in (*self._policies.values(), *self.pilots):
-            pilot.steer(self)
+            if pilot.is_active:
+                pilot.steer(self)
 
     @staticmethod
     def _pilot_of(kind: str, name: str, known: dict[str, PolicyPilot]) -> PolicyPilot:

@@ -49,6 +49,7 @@ from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
 from app.viewer.lab.runs_file import ReadRuns, RunsFile
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
+from app.viewer.lab.steer_requests import SteerRequests
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepRequestHandler, Sweeps, refuse_sweeps
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRuns
@@ -183,6 +184,7 @@ class Laboratory:
         self.furnish()
         self.requests = SceneRequests(front_of(self.server), self)
         self.runs.listen(self.requests)
+        SteerRequests(self.requests, self.simulation)
         if self.sweeps is not None and self.sweep is not None:
             SweepRequestHandler(self.requests, self.sweeps, self.sweep)
         else:
@@ -643,6 +645,7 @@ class Laboratory:
         if is_watched:
             self.watched_at = time.monotonic()
         self.simulation.set_watched(is_watched)
+        self.simulation.hands.let_go_of_silent()
         self.notices.tell()
         self.world.refresh()
         look = self.view.drawing_style()
@@ -666,7 +669,8 @@ class Laboratory:
         """Bring the panels up to date."""
         state, readings = self.simulation.state, self.simulation.readings
         scene = self.told_scene()
-        self.run.refresh(state, scene)
+        by_hand = self.simulation.hands.steered
+        self.run.refresh(state, scene, by_hand)
         self.lesson.follow(scene, state)
         self.lesson_form.refresh(scene, state.spec.model)
         self.time_line.refresh(state, self.simulation.frame)
@@ -698,7 +702,8 @@ class Laboratory:
         looked_at = frame.beside if self.selected_beside and frame.beside else frame
         self.keep_selected(looked_at)
         drawn_at = self.scene.display_place(self.selected, int(self.selected_beside))
-        self.inspector.refresh(looked_at, self.selected, drawn_at)
+        by_hand = frozenset() if self.selected_beside else by_hand
+        self.inspector.refresh(looked_at, self.selected, drawn_at, by_hand)
         if self.selected is not None and looked_at.inspected is None:
             self.simulation.look_again()
 

@@ -18,8 +18,9 @@ from app.viewer.gallery.saved_scene import SavedScene, command_line, pack_scene,
 from app.viewer.gallery.scene_collection import GalleryCard, cards, find_scene, pictures
 from worlds.input_error import InputError
 
-SCRIPTS = ("gallery.js", "take.js", "card.js", "sweep.js", "runs.js")
-"""What the page needs to ask, to keep its card beside its agent, for sweeps and for runs."""
+SCRIPTS = ("gallery.js", "take.js", "card.js", "steer.js", "sweep.js", "runs.js")
+"""What the page needs to ask, to keep its card beside its agent, to steer that, for sweeps and for
+runs."""
 GALLERY, OPEN, TAKE = "/gallery.json", "/open", "/scene.json"
 MARK, WORD = "X-Flockscope", "scene"
 """A header that no foreign page can send: a browser would ask first whether it may."""

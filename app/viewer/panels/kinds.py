@@ -280,6 +280,11 @@ class KindsPanel:
                 self.new_colour = gui.add_dropdown("Colour", tuple(COLOURS))
                 self.new_deed = gui.add_dropdown("It", tuple(DEEDS))
                 self.new_other = gui.add_dropdown("Whom", (ORDINARY,))
+                self.new_steered = gui.add_checkbox(
+                    "Steered by hand",
+                    False,
+                    hint="Click one of its agents, then Steer this agent; else it follows its rule",
+                )
                 self.add = gui.add_button(
                     "Add this kind",
                     icon=viser.Icon.PLUS,
@@ -382,6 +387,7 @@ class KindsPanel:
             colour=COLOURS[self.new_colour.value],
             to={other: relation},
             model="" if chosen == FLOCK_MODEL else chosen,
+            steered=self.new_steered.value,
         )
 
     def begin_with(self, kind: Kind) -> None:

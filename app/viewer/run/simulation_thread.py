@@ -25,6 +25,8 @@ from agents.kinds import Kind, KindTable, replace_kind
 from agents.models.rule_file import describe_fault
 from agents.policies import Policy
 from agents.spec import CompleteSpec, Spec
+from agents.steered_motion import Pilot
+from app.steering.hand_pilot import HandPilot
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.allowance import Allowance
@@ -113,6 +115,10 @@ class SimulationThread:
         """What measures that run, if it is one of a lesson's step."""
         self.stale = False
         """Whether the flock has changed since the last frame."""
+        self.hands = HandPilot()
+        """The people who steer agents."""
+        self.pilots: tuple[Pilot, ...] = (self.hands,)
+        """Who flies agents of the flock, beside policies."""
         self.told: set[str] = set()
         """What its flocks have told since the last set-up."""
         self.next_frame = 0.0
@@ -284,6 +290,7 @@ class SimulationThread:
         (spec, beside, stored), self.next = self.next, None
         trial, self.next_trial = self.next_trial, None
         self.told.clear()
+        self.hands.begin()
         self.end_trials(self.run, None if self.preview is None else self.preview.coming)
         self.state = replace(self.state, busy=True)
         try:
@@ -377,6 +384,8 @@ class SimulationThread:
         self.keeping.take(run)
         for flock_run in run.both:
             flock_run.flock.tell = self.tell_once
+        if not flock.interpret:  # a preview is made again by the run itself, where nobody steers
+            flock.pilots = self.pilots
         return run
 
     def tell_once(self, line: str) -> None:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +19,8 @@ from agents.models.model import vector_name
 from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.agent_rows import CAUSES, Crashes
 from app.front.viser_internals import identifier
+from app.steering.hand_pilot import ways_of
+from app.viewer.lab.steer_requests import is_steered
 from app.viewer.measuring import observable_format
 from app.viewer.panels.dials import plain_symbol, set_visible
 from app.viewer.panels.shell import block, table
@@ -286,6 +288,9 @@ LOOKING = (
 FOLDS: tuple[Fold, ...] = ("own", "rest", "zones", "forces", "heard")
 """What is folded up at first, from the top down; each browser unfolds for itself."""
 WIDTH = 248
+STEER = "Steer this agent"
+"""Of the button that `steer.js` heeds."""
+BY_HAND = "Steered by hand"
 
 
 class Inspector:
@@ -299,6 +304,13 @@ class Inspector:
             for name in FOLDS:
                 with gui.add_folder("", expand_by_default=False, visible=False) as folder:
                     self.folds[name] = folder, gui.add_html("")
+            self.steer = gui.add_button(
+                STEER,
+                icon=viser.Icon.STEERING_WHEEL,
+                color="gray",
+                visible=False,
+                hint="By arrow keys, by W, A, S and D, or by a stick on the picture",
+            )
             button = gui.add_button("Close", icon=viser.Icon.X, color="gray")
         self.panel.float(x=WIDTH // 4, y=-12, width=WIDTH)
 
@@ -307,10 +319,16 @@ class Inspector:
 
         button.on_click(closed)
 
-    def refresh(self, frame: Frame, row: int | None, at: Iterable[float] = ()) -> None:
+    def refresh(
+        self,
+        frame: Frame,
+        row: int | None,
+        at: Iterable[float] = (),
+        by_hand: Collection[int] = (),
+    ) -> None:
         """Show the agent of a row as it is now; nothing for None or a row that is not there.
 
-        `at` (3,) is where it is drawn.
+        `at` (3,) is where it is drawn; `by_hand`, the identities of those whom people steer.
         """
         exists = row is not None and row < len(frame.ids)
         if exists and not self.panel.visible:
@@ -322,8 +340,14 @@ class Inspector:
         words = LOOKING
         if inspection is not None:
             words, texts = head(frame, inspection), folds(frame, inspection)
+            if inspection.id in by_hand:
+                words += f'<div class="fs-quiet">{BY_HAND}</div>'
         place = " ".join(f"{value:.4f}" for value in np.asarray(at, float))
         mark = f'data-agent="{html.escape(frame.title)} {frame.ids[row]}" data-at="{place}"'
+        set_visible(self.steer, is_steered(frame, row))
+        if self.steer.visible and inspection is not None and inspection.model is not None:
+            ways = " ".join(ways_of(inspection.model.rule.wish, frame.dim))
+            mark += f' data-steer="{frame.ids[row]}" data-run="{frame.run}" data-ways="{ways}"'
         self.head.content = block(
             f'<div class="fs-agent" data-panel="{identifier(self.panel)}" {mark}>{words}</div>'
         )

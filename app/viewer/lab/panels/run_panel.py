@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import math
 import time
+from collections.abc import Iterable
 
 import viser
 
@@ -95,14 +96,26 @@ class RunPanel:
         set_value(self.speed, names[min(max(place, 0), len(names) - 1)])
         self.simulation.run_at(self.speeds[self.speed.value])
 
-    def refresh(self, state: SimulationState, scene: SavedScene | None = None) -> None:
-        """Show how the simulation stands, and what there is to see in a scene."""
+    def refresh(
+        self,
+        state: SimulationState,
+        scene: SavedScene | None = None,
+        by_hand: Iterable[int] = (),
+    ) -> None:
+        """Show how the simulation stands, what there is to see in a scene, and which agents people
+        steer, by their identities."""
         title = MODELS[state.spec.model].title if scene is None else scene.title
-        self.status.content = block(status(state, title=title))
+        self.status.content = block(status(state, title=title) + describe_steered(by_hand))
         self.story.content = "" if scene is None else describe_scene(scene)
         self.switch.label = "Pause" if state.running else "Go"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if state.running else viser.Icon.PLAYER_PLAY
         self.switch.color = "blue" if state.running else "green"
+
+
+def describe_steered(by_hand: Iterable[int]) -> str:
+    """Which agents people steer, HTML; nothing if nobody does."""
+    named = ", ".join(map(str, sorted(by_hand)))
+    return f'<div class="fs-quiet">Steered by hand: agent {named}</div>' if named else ""
 
 
 def speed_text(speed: float) -> str:
