@@ -1,8 +1,8 @@
 """Calls a policy in a process of its own.
 
 A process, and no thread: whatever a policy does, also in a loop of C that never lets go of the
-interpreter, its process can be ended, and whoever runs the flock goes on. That costs some 0.1 ms a
-tick. It reads the policy's file itself, so it may import what it likes.
+interpreter, its process can be ended, and whoever runs the flock goes on. It reads the policy's
+file itself, so it may import what it likes.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from agents.catalogue import FILES, MODELS
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world
 from agents.individuals import split_individuals
+from agents.kinds import kind_table
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.options.run_arguments import (
@@ -35,10 +36,11 @@ from app.cli.options.tracks_options import (
     played_tracks,
 )
 from app.cli.terminal.progress import StopSignals, exit_process
-from app.cli.terminal.usage import Rules, first_of, model_name
+from app.cli.terminal.usage import Controllers, Rules, first_of, model_name
 from app.front.origin import parse_allowed_host
 from app.results_folder import RUNS, demand_runs
 from app.settings import assignment
+from app.steering.controller_pilot import open_controllers
 from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError, unknown
 
@@ -85,6 +87,7 @@ def lab(
         list[str] | None,
         typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
     ] = None,
+    steer: Controllers = None,
     tracks: TracksFile = None,
     rate: Rate = None,
     unit: Unit = None,
@@ -147,6 +150,7 @@ def lab(
         second = None if beside is None else Spec(beside, parameters=others)
     if opened is not None:
         spec, second = opened.spec, getattr(opened, "beside", None)
+    controllers = open_controllers(steer, kind_table(spec.kinds, spec.to))
     with StopSignals() as stopping:
         server = open_server(host, port, Front(SCRIPTS, names))
         try:  # the page is served, and loads in the browser, before what takes long to import
@@ -176,6 +180,7 @@ def lab(
             opened=opened,
             waits=True,
             runs=kept,
+            pilots=controllers,
         )
         serve(laboratory, stopping)
     exit_process()

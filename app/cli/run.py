@@ -33,8 +33,17 @@ from app.cli.terminal.outcome_table import (
     show,
 )
 from app.cli.terminal.progress import Progress, run_ticks
-from app.cli.terminal.usage import PrintJson, Quiet, Rules, Settings, first_of, model_name
+from app.cli.terminal.usage import (
+    Controllers,
+    PrintJson,
+    Quiet,
+    Rules,
+    Settings,
+    first_of,
+    model_name,
+)
 from app.settings import check_whole_number, names
+from app.steering.controller_pilot import open_controllers
 from app.studies.workers.kernels import compile_loop
 from worlds.file_writer import demand_distinct_files, demand_writable, write_text
 from worlds.input_error import InputError
@@ -62,6 +71,7 @@ def run(
     *,
     options: GivenOptions,
     settings: Settings = None,
+    steer: Controllers = None,
     ticks: Ticks = None,
     seconds: Seconds = None,
     threads: Annotated[
@@ -139,6 +149,7 @@ def run(
         )
     else:
         flock = build_flock(spec, model, options, settings or [], runs_how, quiet)
+    flock.pilots = open_controllers(steer, flock.kinds)
     body = flock.model.body
     length = ticks_asked(ticks, seconds, flock.model.name, body.unit, flock.dt)
     length = DEFAULT_TICKS if length is None else length

@@ -42,6 +42,12 @@ def steer(window: Window) -> None:
     window.page.get_by_text("You steer agent 41").wait_for()
 
 
+def heading_of_robot(served) -> np.ndarray:
+    """Where the one robot heads now."""
+    frame = served.simulation.frame
+    return frame.heading[np.flatnonzero(frame.kind == 1)[0]].copy()
+
+
 def motion(hands):
     """What the one hand does."""
     return next((hand.motion for hand in list(hands.hands.values())), None)
@@ -67,12 +73,11 @@ def test_keys_steer_and_do_nothing_else(served, hands, chromium):
     assert served.simulation.state.run == run
     page.keyboard.down("ArrowRight")
     until(lambda: motion(hands).turn == -1.0)
-    row = int(np.flatnonzero(served.simulation.frame.kind == 1)[0])
-    heading = served.simulation.frame.heading[row].copy()
-    until(lambda: served.simulation.frame.heading[row] @ heading < 0.0)
+    heading = heading_of_robot(served)
+    until(lambda: heading_of_robot(served) @ heading < 0.0)
     page.keyboard.press("Escape")
     until(lambda: not hands.steered)
-    until(lambda: other.page.get_by_text("Steered by hand").count() == 0)
+    until(lambda: other.page.get_by_text("Steered by hand: agent").count() == 0)
     for one in (window, other):
         one.page.close()
 

@@ -21,6 +21,9 @@ NOT_RUN = {
     "uv run python docs/learn_to_evade.py --out learning.png": (
         "takes a minute: tests/test_learning.py runs a generation of it"
     ),
+    "uv run python docs/controller.py": (
+        "waits to be asked: tests/test_controllers.py has it steer a run"
+    ),
     "uv run python docs/learn_to_evade.py --policy evade.py": (
         "takes a minute: tests/test_policies.py flies what it writes"
     ),

@@ -266,3 +266,11 @@ Rules = Annotated[
         help="A Python file with a RULE, a MODEL or a policy of your own; may be repeated.",
     ),
 ]
+Controllers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--steer",
+        metavar="KIND=HOST:PORT",
+        help="A controller in another process that steers a kind, by datagrams; may be repeated.",
+    ),
+]

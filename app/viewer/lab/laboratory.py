@@ -6,6 +6,7 @@ import math
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import replace
 from functools import partial
@@ -19,6 +20,7 @@ from agents.flock import Flock
 from agents.observables.catalogue import default_charts
 from agents.observables.of_agents import measurable
 from agents.spec import CompleteSpec, Spec
+from agents.steered_motion import Pilot
 from app.front.controls import set_value
 from app.front.notices import Notices
 from app.front.origin import AllowedHost, local_address
@@ -105,7 +107,7 @@ class Laboratory:
     is there. `results`: the folder of its sweeps. `runs`: the file in which its runs are kept;
     None: they are kept as long as it is there. `allowance`: what it may take and do; None:
     everything. `played`: the kind of agents of a scene that who sits before it plays; empty: all.
-    Raises InputError if the port is busy.
+    `pilots` steer agents, beside policies and people. Raises InputError if the port is busy.
     """
 
     def __init__(
@@ -125,6 +127,7 @@ class Laboratory:
         runs: RunsFile | None = None,
         allowance: Allowance | None = None,
         played: str = "",
+        pilots: Sequence[Pilot] = (),
     ):
         self.server = server or open_server(host, port, Front(SCRIPTS, allow))
         self.host = host
@@ -144,6 +147,7 @@ class Laboratory:
             build=partial(Flock, threads=threads),
             stored=None if isinstance(opened, SavedScene) else opened,
             allowance=allowance,
+            pilots=pilots,
         )
         self.simulation.play(played, spec)
         self.notices = Notices(self.server, self.simulation.notices)

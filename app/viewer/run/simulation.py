@@ -26,7 +26,8 @@ class Simulation(SimulationThread):
     refused. What a user must be told is left in `notices`; `edits` change the world, `time_line`
     goes back in time. While a run is not compiled a preview of it goes on, if it is quick enough,
     and takes the same commands. A recording is played by the same commands. With an `allowance` it
-    keeps to that. `clock`, s, says when ticks and frames are due.
+    keeps to that. `clock`, s, says when ticks and frames are due. `pilots` steer
+    its agents, beside policies and people.
     """
 
     def play(self, kind: str, spec: CompleteSpec) -> None:

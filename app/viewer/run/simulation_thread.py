@@ -82,6 +82,7 @@ class SimulationThread:
         stored: InitialState | None = None,
         allowance: Allowance | None = None,
         clock: Callable[[], float] = time.perf_counter,
+        pilots: Sequence[Pilot] = (),
     ):
         self.clock = clock
         self.keeping = SimulationLimits(allowance)
@@ -117,7 +118,7 @@ class SimulationThread:
         """Whether the flock has changed since the last frame."""
         self.hands = HandPilot()
         """The people who steer agents."""
-        self.pilots: tuple[Pilot, ...] = (self.hands,)
+        self.pilots: tuple[Pilot, ...] = (*pilots, self.hands)
         """Who flies agents of the flock, beside policies."""
         self.told: set[str] = set()
         """What its flocks have told since the last set-up."""
