@@ -20,6 +20,7 @@ from app.cli.options.run_arguments import (
     GivenOptions,
     demand_alone,
     demand_parameters,
+    demand_policies,
     is_file,
     option_name,
     requested_run,
@@ -150,6 +151,8 @@ def lab(
         second = None if beside is None else Spec(beside, parameters=others)
     if opened is not None:
         spec, second = opened.spec, getattr(opened, "beside", None)
+    if not getattr(opened, "is_played", False):  # what is played flies by nothing any more
+        demand_policies(spec.kinds)
     controllers = open_controllers(steer, kind_table(spec.kinds, spec.to))
     with StopSignals() as stopping:
         server = open_server(host, port, Front(SCRIPTS, names))

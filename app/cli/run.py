@@ -262,6 +262,7 @@ def build_flock(
     if beside and not quiet:
         print_stderr(f"flockscope: {beside}, which {file} shows beside it, is not run")
     with origins.naming_origins():
+        demand_policies(spec.kinds)
         flock = Flock(spec, **runs_how)
     flock.tell = tell_fault
     if not quiet:

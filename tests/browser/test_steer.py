@@ -9,6 +9,7 @@ from agents.kinds import Kind
 from app.steering.hand_pilot import SILENCE
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import preset_spec
+from tests.browser.accessibility import find_violations
 from tests.browser.window import Window, is_compiled
 from tests.viewer.waiting import COMPILED, until
 
@@ -59,6 +60,7 @@ def test_keys_steer_and_do_nothing_else(served, hands, chromium):
     page = window.page
     steer(window)
     until(lambda: other.page.get_by_text("Steered by hand: agent 41").count() == 1)
+    assert find_violations(page) == []
     camera = next(iter(served.server.get_clients().values())).camera
     before = tuple(camera.position)
     run = served.simulation.state.run
@@ -122,6 +124,7 @@ def test_a_finger_on_the_stick_steers(served, hands, chromium, size):
     stick.wait_for()
     until(lambda: motion(hands) is not None)
     box = stick.bounding_box()
+    assert find_violations(page) == []
     assert box["x"] >= 0
     assert box["x"] + box["width"] <= size[0]
     assert box["y"] + box["height"] <= size[1]

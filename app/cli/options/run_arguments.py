@@ -228,7 +228,6 @@ def requested_run(
         parameters = {**values.pop("parameters", {}), **changed}
         spec = with_kinds(Spec(**values, parameters=parameters), kinds, relations)
         demand_parameters(changed, [find_model(spec.model).parameters])
-        demand_policies(spec.kinds)
     return spec, origins
 
 
