@@ -16,7 +16,7 @@ from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.inspection import Inspection, compile_inspection, inspect
-from agents.kinds import Kind, KindTable, kind_table
+from agents.kinds import INFORMED, Kind, KindTable, kind_table
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
@@ -301,6 +301,21 @@ class Flock(TickClock, SteeredMotion):
         own, kind = self._own_at_start(ids), self._kind_at_start(ids)
         with_speeds = bool(begin.speed.any())
         return self._with_start_speeds(begin, with_speeds, own, kind=kind), own
+
+    def catches_of(self, kind: str) -> Passages:
+        """Those of a kind who were caught; not known of information agents. Raises InputError.
+
+        The agents of kinds have the last identities of those with which a run begins; who enters
+        later is ordinary.
+        """
+        if kind == INFORMED and INFORMED not in self.kinds.names:
+            return replace(self.catches, is_known=False)
+        first = self.options.agents + self.options.informed
+        ends = first + np.cumsum([0, *(one.agents for one in self.kinds.kinds)])
+        number = np.searchsorted(ends, self.catches.id, side="left")
+        return self.catches.select(
+            np.where(number == len(ends), 0, number) == self.kinds.number(kind)
+        )
 
     def _start_kinds_in_boxes(self, begin: Start, gap: float) -> Start:
         """The start, with those of a kind that has a box of its own there. Raises InputError."""
@@ -770,5 +785,5 @@ def measure_observable(flock: Flock, name: str, kind: str | None = None) -> Any:
     """The value of an observable now; of the agents of a kind alone, where one is named."""
     snapshot = flock.snapshot(copy=False)
     if kind is not None:
-        snapshot = snapshot.of_kind(kind)
+        snapshot = replace(snapshot.of_kind(kind), catches=flock.catches_of(kind))
     return OBSERVABLES[name].measure(snapshot.measurable())

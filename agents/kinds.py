@@ -329,6 +329,14 @@ class KindTable:
                 return one
         raise unknown("kind", name, self.names[1:])
 
+    def number(self, name: str, more: tuple[str, ...] = ()) -> int:
+        """The number of a kind by its name, or by what the ordinary one may be called. Raises
+        InputError for a kind that there is not; `more` names could be said as well."""
+        known = ALIASES.get(name, name) if name not in self.names else name
+        if known not in self.names:
+            raise unknown("kind", name, (*self.names, *more))
+        return self.names.index(known)
+
     def with_kind(self, kind: Kind) -> KindTable:
         """The same with another kind in the place of the one of its name."""
         kinds = (kind if one.name == kind.name else one for one in self.kinds)
@@ -378,13 +386,7 @@ class KindTable:
 
     def with_relation(self, kind: str, other: str, relation: Any) -> KindTable:
         """The same with another relation of a kind to another. Raises InputError."""
-        pair = []
-        for name in (kind, other):
-            known = ALIASES.get(name, name) if name not in self.names else name
-            if known not in self.names:
-                raise unknown("kind", name, self.names)
-            pair.append(known)
-        first, second = pair
+        first, second = (self.names[self.number(name)] for name in (kind, other))
         changed = as_relation(relation)
         kinds = tuple(
             replace_kind(one, to={**one.to, second: changed}) if one.name == first else one

@@ -15,7 +15,7 @@ from agents.engine.arrays import Arrays
 from agents.engine.heeding import OWN
 from agents.individuals import Distribution, each
 from agents.kind_models import KindModel, evaluate_parameters, kind_models, own_columns
-from agents.kinds import ALIASES, INFORMED, NO_KINDS, Kind, KindTable
+from agents.kinds import INFORMED, NO_KINDS, Kind, KindTable
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
@@ -148,15 +148,13 @@ class FlockState:
         still; of `informed` those of the information agents. Raises InputError for a kind that
         there is not."""
         names = self.kinds.names
-        name = ALIASES.get(kind, kind) if kind not in names else kind
-        if name == INFORMED and INFORMED not in names:
+        if kind == INFORMED and INFORMED not in names:
             is_met = self.arrays.kind >= 0.0 if len(self.arrays.kind) else True
             return np.flatnonzero(self.informed & is_met)
-        if name not in names:
-            raise unknown("kind", kind, (*names, INFORMED))
+        number = self.kinds.number(kind, more=(INFORMED,))
         if not self.kinds.kinds:
             return np.arange(len(self.ids))
-        return np.flatnonzero(self.arrays.kind == names.index(name))
+        return np.flatnonzero(self.arrays.kind == number)
 
     @property
     def own(self) -> dict[str, np.ndarray]:

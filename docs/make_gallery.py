@@ -54,10 +54,12 @@ SCENES = {
     "lanes": Scene((3000,), 1.1, tail=25),
     "mill": Scene((3000,), 0.2, tail=15),
     "mission": Scene((190,), 0.5, tail=30, window=(11, 8)),
+    "opinions": Scene((1200,), 0.5, tail=12),
     "order": Scene((60,), 0.6),
     "pocket": Scene((1000,), 2.2, tail=200),
     "predator": Scene((500,), 0.3),
     "school": Scene((1000,), 1.6),
+    "sheep": Scene((400,), 0.6, tail=12, form="darts"),
     "sorted": Scene((1000,), 1.0),
     "spins": Scene((60,), 0.36),
 }
@@ -67,10 +69,14 @@ LESSONS = {
     "beat-the-paper": Scene((3,), 0.3),
     "braking-drones": Scene((400,), 7.0, tail=60),
     "delay-breaks-flocks": Scene((900,), 2.0, tail=150),
+    "fast-and-slow": Scene((1200,), 0.6),
     "field-of-view": Scene((1000,), 0.8, window=(24, 16)),
     "lanes-of-pedestrians": Scene((2000,), 1.3),
+    "leaders-who-disagree": Scene((900,), 0.5, tail=12),
     "phase-transition": Scene((200,), 0.33),
+    "predators-and-prey": Scene((220,), 0.25),
     "seven-neighbours": Scene((300,), 0.33),
+    "shepherd": Scene((700,), 0.6, tail=12, form="darts"),
     "who-leads": Scene((9,), 0.4),
     "zones-and-the-mill": Scene((1000,), 0.8, window=(24, 16)),
 }
@@ -131,7 +137,7 @@ def draw(flock: Flock, scene: Scene, trace: np.ndarray, camera: Camera) -> Figur
         axes = figure.add_axes((0, 0, 1, 1))
         draw_world(axes, flock)
         draw_tails(axes, without_jumps(trace, flock), colour, 1.2)
-        draw_agents(axes, flock, colour, 1.4 * scene.length)
+        draw_agents(axes, flock, colour, 1.4 * scene.length, scene.form)
         frame(axes, camera.middle - camera.half, camera.middle + camera.half, "")
     return figure
 

@@ -63,9 +63,10 @@ def by_layer(flock: Flock) -> np.ndarray:
     return colour
 
 
-def draw_agents(axes: Any, flock: Flock, colour: np.ndarray, length: float) -> None:
-    """Draw agents as darts or fish of a length in the world's units; information agents larger and
-    red."""
+def draw_agents(axes: Any, flock: Flock, colour: np.ndarray, length: float, form: str = "") -> None:
+    """Draw agents as darts or fish of a length in the world's units, as `form` or their rule says;
+    information agents larger and red."""
+    form = form or flock.model.rule.form
     for informed, bigger in ((False, 1.0), (True, 1.5)):
         rows = np.flatnonzero(flock.informed == informed)
         if not len(rows):
@@ -73,7 +74,7 @@ def draw_agents(axes: Any, flock: Flock, colour: np.ndarray, length: float) -> N
         ux, uy = flock.heading[rows, :2].T
         turn = np.array([[ux, -uy], [uy, ux]]).transpose(2, 0, 1)
         shapes = DART[None].repeat(len(rows), axis=0)
-        if flock.model.rule.form == "fish" and flock.model.body.vehicle is None:
+        if form == "fish" and flock.model.body.vehicle is None:
             shapes = SWIMMER.scale * swimming_outlines(flock.ids[rows], flock.tick)
         placed = flock.position[rows, None, :2] + bigger * length * np.einsum(
             "nij,nkj->nki", turn, shapes

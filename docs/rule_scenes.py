@@ -27,6 +27,8 @@ class Scene:
     """Corners of what is drawn of the world; None: all of it."""
     window: tuple[float, float] | None = None
     """Sides of a close look; None: there is no map."""
+    form: str = ""
+    """What agents are drawn as; empty: as their rule says."""
 
 
 ON_TORUS = Scene((0, 5, 15, 60), 0.36, agents=200, seed=4, size=7.0, parameters={"eta": 0.2})

@@ -52,6 +52,46 @@ def test_polarisation(n, dim, seed):
 
 
 @SOME
+@given(n=st.integers(1, 60), dim=st.sampled_from((2, 3)), seed=st.integers(0, 999))
+def test_direction(n, dim, seed):
+    heading = unit_vectors(np.random.default_rng(seed), n, dim)
+    assume(np.linalg.norm(heading.mean(axis=0)) > 1e-3)
+    assert order.direction(heading) == pytest.approx(naive.direction(heading), abs=1e-5)
+
+
+def test_headings_that_cancel_have_no_direction():
+    assert math.isnan(order.direction(np.array([[0.6, 0.8], [-0.6, -0.8]])))
+    assert order.direction(np.array([[0.0, -1.0]])) == 90.0
+
+
+@SOME
+@given(n=st.integers(3, 40), dim=st.sampled_from((2, 3)), seed=st.integers(0, 999))
+def test_fast_in_front(n, dim, seed):
+    rng = np.random.default_rng(seed)
+    position = rng.uniform(0.0, 9.0, (n, dim))
+    velocity = unit_vectors(rng, n, dim) * rng.uniform(0.5, 2.0, (n, 1))
+    expected = naive.fast_in_front(position - position.mean(axis=0), velocity)
+    size, open_space = np.full(dim, 9.0), np.zeros(dim, bool)
+    found = order.fast_in_front(position, velocity, size, open_space)
+    assert found == pytest.approx(expected, abs=1e-11)
+    # A group across the edge of a torus is where it is without one.
+    small = 0.3 * position
+    wrapped = (small + 8.0) % 9.0
+    found = order.fast_in_front(small, velocity, size, open_space)
+    torus = order.fast_in_front(wrapped, velocity, size, np.ones(dim, bool))
+    assert torus == pytest.approx(found, abs=1e-11)
+
+
+def test_who_are_equally_fast_are_in_no_order():
+    position, size, wraps = np.arange(8.0).reshape(4, 2), np.ones(2), np.zeros(2, bool)
+    heading = unit_vectors(np.random.default_rng(1), 4, 2)
+    assert math.isnan(order.fast_in_front(position, 0.3 * heading, size, wraps))
+    east = np.array([[1.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 0.0]])
+    assert order.fast_in_front(position, east, size, wraps) == pytest.approx(0.8**0.5)
+    assert math.isnan(order.fast_in_front(position[:2], east[1:3], size, wraps))
+
+
+@SOME
 @given(
     n=st.integers(1, 60),
     seed=st.integers(0, 999),

@@ -46,7 +46,8 @@ NONE = {
     "group-angular-momentum": math.nan, "correlation-length": math.nan, "goal-distance": math.nan,
     "following": math.nan, "drag-saved": math.nan, "energy-saved": math.nan, "group-sizes": {},
     "group-table": {}, "layers": {}, "velocity-spread": 0.0, "gyration-radius": 0.0,
-    "entered": math.nan, "waiting-to-enter": math.nan,
+    "entered": math.nan, "waiting-to-enter": math.nan, "direction": math.nan,
+    "fast-in-front": math.nan,
 }  # fmt: skip
 """What a flock of nobody has, but for `crashes`, which goes on telling of those that were, and for
 what is told of exits."""
@@ -62,7 +63,7 @@ ONE = {
 """What a lone agent has, whatever it is and wherever; the rest depends on its world."""
 MAY_BE_NAN = {
     "correlation-length", "crashes", "goal-distance", "following", "drag-saved", "energy-saved",
-    "divergence",
+    "divergence", "direction", "fast-in-front",
     "entered", "waiting-to-enter", "exited", "flow", "catches", "kind-distance", "kind-mixing",
 }  # fmt: skip
 """What a flock of two may lack."""

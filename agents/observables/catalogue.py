@@ -61,6 +61,11 @@ def has_sources(flock) -> bool:
     return mission is not None and bool(mission.sources)
 
 
+def has_differences(flock) -> bool:
+    """Whether its agents have numbers of their own."""
+    return bool(flock.differing)
+
+
 def has_kinds(flock) -> bool:
     """Whether there are agents of several kinds in a flock."""
     return bool(flock.kinds.kinds)
@@ -121,6 +126,14 @@ ORDER = [
         compiled=of_rows.consistency,
     ),
     Observable(
+        "direction",
+        "Angle between the mean heading and the x axis",
+        "deg",
+        Range(0.0, 180.0),
+        lambda flock: order.direction(flock.heading),
+        quick=True,
+    ),
+    Observable(
         "angular-momentum",
         "How much the flock mills about its centre",
         "1",
@@ -161,6 +174,20 @@ ORDER = [
         lambda flock: order.velocity_spread(flock.heading * flock.speed[:, None]),
         quick=True,
         compiled=of_rows.velocity_spread,
+    ),
+    Observable(
+        "fast-in-front",
+        "Rank correlation of the agents' speeds with their places along the mean heading",
+        "1",
+        Range(-1.0, 1.0),
+        lambda flock: order.fast_in_front(
+            flock.position,
+            flock.heading * flock.speed[:, None],
+            flock.world.size,
+            flock.world.images,
+        ),
+        quick=True,
+        applies=has_differences,
     ),
     over_a_run(
         "susceptibility",

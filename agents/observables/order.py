@@ -41,6 +41,64 @@ def polarisation(heading: np.ndarray) -> float:
     return min(1.0, math.sqrt(mean.dot(mean)))
 
 
+def direction(heading: np.ndarray) -> float:
+    """Angle between the mean heading and the x axis, in [0, 180] degrees.
+
+    `heading`: (N, dim) unit vectors, dim 2 or 3; rows that are no numbers are left out, with a
+    warning. nan for nobody, and where headings cancel to within rounding errors. Raises InputError.
+
+    >>> direction(np.array([[0.0, 1.0], [-1.0, 0.0]]))
+    135.0
+    """
+    heading = headings(heading)
+    if len(heading) == 0:
+        return math.nan
+    mean = np.add.reduce(heading) / len(heading)
+    if math.sqrt(mean.dot(mean)) <= 4 * len(heading) * EXACT:
+        return math.nan
+    across = math.sqrt(mean[1:].dot(mean[1:]))
+    return math.degrees(math.atan2(across, float(mean[0])))
+
+
+FEWEST = 3
+"""Agents below which a rank correlation says nothing."""
+
+
+def fast_in_front(
+    position: np.ndarray, velocity: np.ndarray, size: np.ndarray, images: np.ndarray
+) -> float:
+    """Spearman's rank correlation of speeds with places along the mean velocity, in [-1, 1].
+
+    `position` (N, dim), length, `velocity` (N, dim), length/time; `size` (dim,) sides of the box
+    > 0, `images` (dim,) bool. nan for fewer than three agents, where all are equally fast, and
+    where they go no way. Rows of which a number is missing are left out, with a warning. Raises
+    InputError.
+
+    >>> in_a_row = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    >>> faster_in_front = np.array([[1.0, 0.0], [2.0, 0.0], [9.0, 0.0]])
+    >>> fast_in_front(in_a_row, faster_in_front, np.ones(2), np.zeros(2, bool))
+    1.0
+    """
+    from scipy.stats import rankdata
+
+    position, velocity = vectors("position", position), vectors("velocity", velocity)
+    _, position, velocity = drop_bad_rows(position=position, velocity=velocity)
+    size, images = box(size, images, position.shape[1])
+    if len(position) < FEWEST:
+        return math.nan
+    speed, way = np.linalg.norm(velocity, axis=1), velocity.mean(axis=0)
+    fastest = float(speed.max())
+    if np.linalg.norm(way) <= 4 * len(velocity) * EXACT * fastest:
+        return math.nan
+    offset = position - middle(position, size, images)
+    offset = offset - np.where(images, size * np.round(offset / size), 0.0)
+    # The length of a vector is rounded: who is as fast as another has the same rank.
+    ranks = rankdata(np.round(speed / fastest, 12)), rankdata(offset @ way)
+    if min(map(np.ptp, ranks)) == 0.0:
+        return math.nan
+    return round(float(np.corrcoef(*ranks)[0, 1]), 12)  # 1, not 1 + 2e-16
+
+
 # Angular momentum: how much a group mills about its centre (Couzin et al. 2002, (5)).
 
 EXACT = 2.0**-52

@@ -50,13 +50,16 @@ class Passages:
 
     def until(self, tick: int) -> Self:
         """Those up to a tick, itself among them."""
-        count = int(np.searchsorted(self.tick, tick, side="right"))
+        return self.select(np.arange(np.searchsorted(self.tick, tick, side="right")))
+
+    def select(self, rows: np.ndarray) -> Self:
+        """Some of them, by an index or a mask."""
         return replace(
             self,
-            tick=self.tick[:count],
-            id=self.id[:count],
-            gate=self.gate[:count],
-            place=self.place[:count],
+            tick=self.tick[rows],
+            id=self.id[rows],
+            gate=self.gate[rows],
+            place=self.place[rows],
         )
 
     def counts(self, gates: int) -> np.ndarray:

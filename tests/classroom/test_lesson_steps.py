@@ -95,6 +95,7 @@ REFUSED = {
     "part of a tick": ({"ticks": "9.5"}, "a whole number is needed"),
     "no ticks": ({"ticks": ""}, "ticks is missing: ask needs choices, measure, ticks, bounds"),
     "no question": ({"ask": ""}, "choices is given without ask"),
+    "a kind where there is none": ({"kind": '"shark"'}, "unknown kind 'shark'"),
     "three controls": (
         {"control": "", "controls": '["eta", "r", "v0"]'},
         "at most 2 are allowed, not 3",
@@ -134,6 +135,51 @@ def test_steps_are_a_list_of_few_and_of_one_flock():
         with pytest.raises(InputError) as refused:
             SavedScene.from_toml(text, "mine.toml")
         assert why in str(refused.value)
+
+
+KINDS = """[run]
+model = "vem"
+agents = 20
+size = 5.0
+[[run.kinds]]
+name = "shark"
+agents = 2
+parameters = { v0 = 0.05 }
+to = { flock = { chase = 2.0, catch = 0.1 } }
+"""
+
+
+def test_a_step_measures_a_kind_and_sets_its_parameters():
+    changes = {"kind": '"flock"', "set": '{ eta = 1, "shark.v0" = 0.02 }', "measure": '"catches"'}
+    scene = SavedScene.from_toml(scene_text(KINDS, **changes), "mine.toml")
+    step = scene.steps[1]
+    assert step_spec(scene.spec, step).kinds[0].parameters == {"v0": 0.02}
+    assert step_spec(scene.spec, scene.steps[0]).kinds == scene.spec.kinds
+    assert "(9 ticks, eta = 1, shark.v0 = 0.02: mean catches of flock of" in step.describe()
+    assert SavedScene.from_toml(scene.to_toml(), "again").steps == scene.steps
+    assert unpack_scene(pack_scene(scene)).steps == scene.steps
+    with pytest.raises(InputError, match=r"kind = 'flock' cannot be measured in a page \(step 2"):
+        demand_in_page(scene.steps, {"parameters": [], "measures": []}, "mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"kind": '"sharks"'}, "unknown kind 'sharks': did you mean 'shark'?"),
+        ({"kind": "3"}, "kind"),
+        ({"set": '{ "ray.v0" = 0.1 }'}, "unknown kind 'ray' (known: shark"),
+        ({"set": '{ "shark.speed" = 0.1 }'}, "unknown parameter 'speed'"),
+        ({"set": '{ "shark.v0" = 9.0 }'}, "set.shark.v0 = 9 is not allowed: its slider goes from"),
+        ({"set": '{ "shark.agents" = 3 }'}, "unknown parameter 'agents'"),
+        ({"measure": '"binder"'}, "unknown measure 'binder'"),
+        ({"measure": '"layers"'}, "unknown measure 'layers'"),
+    ],
+)
+def test_what_is_no_kind_of_the_run_is_refused(changes, why):
+    with pytest.raises(InputError) as refused:
+        SavedScene.from_toml(scene_text(KINDS, **changes), "mine.toml")
+    assert why in str(refused.value)
+    assert "step 2" in str(refused.value)
 
 
 def test_zones_that_change_places_are_refused():
@@ -203,7 +249,7 @@ def mean_measured(spec: CompleteSpec, step: SceneStep) -> float:
     values = []
     for _ in range(step.ticks // 2, step.ticks):
         flock.run(1)
-        values.append(flock.observe(step.measure))
+        values.append(flock.observe(step.measure, kind=step.kind or None))
     assert flock.tick == step.ticks
     return float(np.mean(values))
 

@@ -24,6 +24,26 @@ def wrapped(angle):
     return angle
 
 
+def direction(heading):
+    """Degrees from the x axis to the sum of the headings, by the cosine; (N, dim) unit vectors."""
+    total = [sum(axis) for axis in zip(*heading, strict=True)]
+    return math.degrees(math.acos(total[0] / math.hypot(*total)))
+
+
+def fast_in_front(offset, velocity):
+    """Spearman's rank correlation by the differences of ranks, where no two are equal.
+
+    `offset` (N, dim) from the centre, `velocity` (N, dim).
+    """
+    way = [sum(axis) for axis in zip(*velocity, strict=True)]
+    speed = [math.hypot(*v) for v in velocity]
+    ahead = [sum(a * b for a, b in zip(x, way, strict=True)) for x in offset]
+    n = len(speed)
+    ranks = [[sum(b < a for b in values) for a in values] for values in (speed, ahead)]
+    squares = sum((a - b) ** 2 for a, b in zip(*ranks, strict=True))
+    return 1.0 - 6.0 * squares / (n * (n * n - 1))
+
+
 def consistency(theta, theta_ref):
     """Deg_con of equations (28, 29) from angles theta (N,) and a reference angle, all in rad."""
     square = sum(wrapped(t - theta_ref) ** 2 for t in theta)

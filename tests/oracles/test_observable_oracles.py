@@ -22,6 +22,20 @@ def test_polarisation():
     assert observables.polarisation(headings(0, math.pi)) == pytest.approx(0, abs=1e-15)
 
 
+def test_direction():
+    assert observables.direction(headings(0.5, -0.5)) == pytest.approx(0)
+    assert observables.direction(headings(-2.0)) == pytest.approx(math.degrees(2.0))
+    assert observables.direction(np.eye(3)) == pytest.approx(math.degrees(math.acos(3**-0.5)))
+
+
+def test_fast_in_front():
+    velocity = np.array([[1.0, 0.0], [2.0, 0.0], [3.0, 0.0]])
+    offset = np.array([[-1.0, 5.0], [0.0, -5.0], [1.0, 0.0]])
+    assert observables.fast_in_front(offset, velocity) == 1.0
+    assert observables.fast_in_front(-offset, velocity) == -1.0
+    assert observables.fast_in_front(offset[[1, 0, 2]], velocity) == 0.5
+
+
 def test_consistency():
     assert observables.consistency([0.3, 0.3], 0.3) == 1
     assert observables.consistency([0, math.pi / 2], 0.0) == pytest.approx(0.75)

@@ -152,6 +152,48 @@ def test_the_fast_fly_in_front_of_the_slow():
     assert spearmanr(flock.own["s"], ahead).statistic > 0.9
 
 
+def mean_direction(spec, ticks):
+    """Degrees from the x axis to the mean heading over the last 200 of so many ticks."""
+    flock = Flock(spec)
+    flock.run(ticks - 200)
+    return np.mean([flock.run(1) or flock.observe("direction") for _ in range(200)])
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_a_group_of_two_opinions_goes_between_them_unless_they_are_far_apart(seed):
+    spec = built_in_scene("opinions").spec.but(seed=seed)
+    assert 20 < mean_direction(spec, 1000) < 60
+    together = Flock(spec)
+    together.run(1000)
+    assert together.observe("largest-group") == 50
+    apart = Flock(spec.with_values(parameters={**spec.parameters, "g": 160.0}))
+    apart.run(2000)
+    is_torn = apart.observe("largest-group") < 40
+    largest = apart.heading[apart.group_labels() == 0].mean(axis=0)
+    angle = np.degrees(np.arctan2(largest[1], largest[0]))
+    assert is_torn or min(abs(angle), abs(angle - 160.0)) < 60.0
+
+
+def way_of_sheep(spec):
+    """How far the sheep's centre comes in a thousand ticks, and how far apart they are then."""
+    flock = Flock(spec)
+    sheep = flock.rows_of("flock")
+    before = flock.position[sheep].mean(axis=0)
+    flock.run(1000)
+    way = np.linalg.norm(flock.position[sheep].mean(axis=0) - before)
+    return way, flock.observe("gyration-radius", kind="flock")
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_a_dog_that_is_slower_drives_sheep_and_one_that_is_faster_scatters_them(seed):
+    spec = built_in_scene("sheep").spec.but(seed=seed)
+    assert way_of_sheep(spec)[0] > 70
+    assert way_of_sheep(spec)[1] < 10
+    assert way_of_sheep(spec.relating("flock", "dog", "ignore"))[0] < 30
+    (dog,) = spec.kinds
+    assert way_of_sheep(spec.but(kinds=(dog.with_parameters({"s": 1.5}),)))[1] > 15
+
+
 def test_patches_fly_alike_unless_there_is_too_much_noise():
     def alike(**changes):
         spec = built_in_scene("order").spec
@@ -203,7 +245,7 @@ def test_cards_name_what_is_related_and_only_what_opens():
         assert len(set(card.related)) == len(card.related)
         for name in card.related:
             assert name in made
-    assert made["school"].related[:2] == ("model:couzin", "sorted")
+    assert made["school"].related[:2] == ("model:couzin", "sheep")
     assert made["model:gregoire-chate"].related[:2] == ("bands", "model:vicsek1995")
     assert made["world:drone-arena"].related == ("model:vasarhelyi",)
     for name in (*scene_names(), *(MODEL + name for name in MODELS)):

@@ -17,6 +17,7 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_v
 
 from agents.catalogue import model as find_model
 from agents.individuals import moved
+from agents.kinds import kind_table
 from agents.models.declare import NumberParameter, checked, declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
@@ -33,7 +34,7 @@ MOST_AGENTS = 20_000
 """Of a step's run: as many as a page may have."""
 PREDICTION = ("choices", "measure", "ticks", "bounds")
 """What goes with `ask`: all of these, or none."""
-OF_PREDICTION = (*PREDICTION, "set", "than", "shows", "why")
+OF_PREDICTION = (*PREDICTION, "kind", "set", "than", "shows", "why")
 """What means nothing without `ask`."""
 RUN_OPTIONS = ("agents", "delay")
 """Options of a run that a step may set, beside parameters."""
@@ -65,6 +66,8 @@ class SceneStep(StrictTable):
     """Answers, in the order in which the measure grows."""
     measure: str = ""
     """The observable that the run is judged by."""
+    kind: Annotated[str, Field(max_length=32)] = ""
+    """The kind of agents of which it is measured, by its name; empty: of all."""
     ticks: int = Field(default=0, ge=0, le=MOST_TICKS)
     """How long the run is, from its start."""
     bounds: list[float] = Field(default=[])
@@ -73,8 +76,8 @@ class SceneStep(StrictTable):
     than: int = Field(default=0, ge=0, le=MOST_STEPS)
     """The earlier step whose mean is taken off before it is compared; 0: none."""
     set: dict[str, float] = Field(default={})
-    """Parameters, and options of `RUN_OPTIONS`, that the step's run begins with; the others are
-    those of the scene."""
+    """Parameters, also those of a kind of agents (`KIND.PARAMETER`), and options of `RUN_OPTIONS`,
+    that the step's run begins with; the others are those of the scene."""
     shows: str = ""
     """The choice that the scene's own run shows; empty: not said."""
     why: Annotated[str, Field(max_length=240), ONE_LINE] = ""
@@ -145,6 +148,11 @@ class SceneStep(StrictTable):
         """
         return self.choices[sum(mean >= bound for bound in self.bounds)]
 
+    @property
+    def described_measure(self) -> str:
+        """What is measured, and of which kind of agents if not of all."""
+        return f"{self.measure} of {self.kind}" if self.kind else self.measure
+
     def describe(self) -> str:
         """The step in words, for who reads the lesson without its page."""
         words = f"{self.say} [{', '.join(self.controls)}]" if self.controls else self.say
@@ -154,7 +162,7 @@ class SceneStep(StrictTable):
         less = f" less that of step {self.than}" if self.than else ""
         return (
             f"{words} {self.ask} {' / '.join(self.choices)} ({self.ticks} ticks{start}: mean "
-            f"{self.measure} of ticks {self.first_measured_tick} to {self.ticks}{less}, "
+            f"{self.described_measure} of ticks {self.first_measured_tick} to {self.ticks}{less}, "
             f"bounds {', '.join(f'{bound:g}' for bound in self.bounds)})"
         )
 
@@ -187,7 +195,8 @@ def read_steps(value: Any, spec: CompleteSpec, origin: str) -> tuple[SceneStep, 
         demand_picture(step.picture, place)
         demand_controls(step, spec.model, place)
         demand_values(step, spec, place)
-        demand_measure(step, page_observables(), place)
+        demand_measure(step, step_observables(spec), place)
+        demand_kind(step, spec, place)
         demand_earlier(step, steps, place)
         steps.append(step)
     return tuple(steps)
@@ -214,12 +223,16 @@ def demand_controls(step: SceneStep, model_name: str, place: str) -> None:
 def demand_values(step: SceneStep, spec: CompleteSpec, place: str) -> None:
     """Raise InputError for values that no slider can have, or that no run can begin with."""
     model, sliders = find_model(spec.model), number_parameters(spec.model)
+    kinds = [kind.name for kind in spec.kinds]
     for name, value in step.set.items():
         if name in RUN_OPTIONS:
             continue
-        if name not in sliders:
-            raise unknown("parameter", name, [*sliders, *RUN_OPTIONS], place)
-        low, high = sliders[name].proposed
+        kind, _, own = name.rpartition(".")
+        if kind and kind not in kinds:
+            raise unknown("kind", kind, kinds, place)
+        if own not in sliders:
+            raise unknown("parameter", own, [*sliders, *RUN_OPTIONS], place)
+        low, high = sliders[own].proposed
         if not low <= value <= high:
             raise InputError(
                 f"set.{name} = {value:g} is not allowed: its slider goes from {low:g} to {high:g} "
@@ -236,6 +249,13 @@ def demand_values(step: SceneStep, spec: CompleteSpec, place: str) -> None:
         step_spec(spec, step)
     except InputError as refusal:
         raise InputError(f"set = {step.set} is not allowed: {refusal} ({place})") from None
+
+
+def demand_kind(step: SceneStep, spec: CompleteSpec, place: str) -> None:
+    """Raise InputError for a kind of agents to measure that the run does not have."""
+    names = kind_table(spec.kinds, spec.to).names
+    if step.kind and step.kind not in names:
+        raise unknown("kind", step.kind, names, place)
 
 
 def demand_agents(value: float, spec: CompleteSpec, place: str) -> None:
@@ -257,18 +277,23 @@ def demand_earlier(step: SceneStep, before: Sequence[SceneStep], place: str) -> 
     """Raise InputError for a step to compare with that is no earlier one with the same measure."""
     if not step.than:
         return
-    alike = [k for k, other in enumerate(before, 1) if other.measure == step.measure]
+    measured = step.described_measure
+    alike = [k for k, other in enumerate(before, 1) if other.described_measure == measured]
     if step.than not in alike:
         which = ", ".join(map(str, alike)) or "none"
         raise InputError(
-            f"than = {step.than} is not allowed: an earlier step that measures {step.measure} "
+            f"than = {step.than} is not allowed: an earlier step that measures {measured} "
             f"({which}; {place})"
         )
 
 
 def own_parameters(step: SceneStep) -> dict[str, float]:
-    """The parameters that a step sets."""
-    return {name: value for name, value in step.set.items() if name not in RUN_OPTIONS}
+    """The parameters of the ordinary agents that a step sets."""
+    return {
+        name: value
+        for name, value in step.set.items()
+        if name not in RUN_OPTIONS and "." not in name
+    }
 
 
 def step_spec(spec: CompleteSpec, step: SceneStep) -> CompleteSpec:
@@ -282,6 +307,18 @@ def step_spec(spec: CompleteSpec, step: SceneStep) -> CompleteSpec:
     parameters = spec.all_parameters
     for name, value in own_parameters(step).items():
         parameters[name] = moved(parameters.get(name), value)
+    if any("." in name for name in step.set):
+        options["kinds"] = tuple(
+            kind.with_parameters(
+                {
+                    own: moved(kind.parameters.get(own), value)
+                    for name, value in step.set.items()
+                    for of, _, own in [name.rpartition(".")]
+                    if of == kind.name
+                }
+            )
+            for kind in spec.kinds
+        )
     return spec.with_parameters(parameters, **options)
 
 
@@ -299,6 +336,18 @@ def number_parameters(model_name: str) -> dict[str, NumberParameter]:
     return {each.name: each for each in parameters if isinstance(each, NumberParameter)}
 
 
+def step_observables(spec: CompleteSpec) -> list[str]:
+    """The observables that a step can measure: those of a page that runs by itself, and where
+    agents differ all that are a number at one tick."""
+    if not spec.kinds and not spec.individuals:
+        return page_observables()
+    return [
+        name
+        for name, observable in OBSERVABLES.items()
+        if not observable.is_table and observable.over is None
+    ]
+
+
 def page_observables() -> list[str]:
     """The observables that a page can compute."""
     return [name for name, observable in OBSERVABLES.items() if observable.compiled is not None]
@@ -314,6 +363,8 @@ def demand_in_page(steps: Sequence[SceneStep], manifest: Mapping[str, Any], orig
     measures = [measure["name"] for measure in manifest["measures"]]
     for number, step in enumerate(steps, 1):
         place = f"step {number}, {origin}"
+        if step.kind:
+            raise InputError(f"kind = {step.kind!r} cannot be measured in a page ({place})")
         for name in (*step.controls, *step.set):
             if name == "agents" and manifest["start"] is not None:
                 continue

@@ -18,8 +18,10 @@ class StepTrial:
     look back, counts once.
     """
 
-    def __init__(self, measure: str, first: int, last: int):
+    def __init__(self, measure: str, first: int, last: int, kind: str = ""):
         self.measure, self.first, self.last = measure, first, last
+        self.kind = kind
+        """Of which agents it is measured; empty: of all."""
         self.values: dict[int, float] = {}
         """By tick."""
         self.fault = ""
@@ -57,7 +59,7 @@ class StepTrial:
         """Measure a flock that has just run to a tick, if it counts."""
         if self.fault or not self.first <= flock.tick <= self.last:
             return
-        self.values[flock.tick] = float(flock.observe(self.measure))
+        self.values[flock.tick] = float(flock.observe(self.measure, kind=self.kind or None))
 
     def ticks_left(self, tick: int, wanted: int) -> int:
         """How many of the wanted ticks are run before it ends and the flock stands."""

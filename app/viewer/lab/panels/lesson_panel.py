@@ -246,7 +246,7 @@ class LessonPanel:
             number = self.runs_first(self.step) or self.number + 1
             step, now = self.steps[number - 1], self.progress[number - 1]
             now.is_fixed = True
-            now.trial = StepTrial(step.measure, step.first_measured_tick, step.ticks)
+            now.trial = StepTrial(step.measure, step.first_measured_tick, step.ticks, step.kind)
             spec = step_spec(self.scene.spec, step)
             self.set_up(spec, None)
             self.simulation.try_step(spec, now.trial)

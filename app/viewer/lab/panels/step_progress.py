@@ -76,10 +76,11 @@ def sentence(number: int, steps: int, step: SceneStep) -> str:
 def describe_run(step: SceneStep, model_name: str) -> str:
     """What the button of a step runs, HTML."""
     sliders = number_parameters(model_name)
-    values = [
-        f"{plain_symbol(sliders[name].symbol) if name in sliders else name} = {value:g}"
-        for name, value in step.set.items()
-    ]
+    values = []
+    for name, value in step.set.items():
+        kind, _, own = name.rpartition(".")
+        symbol = plain_symbol(sliders[own].symbol) if own in sliders else own
+        values.append(f"{symbol} = {value:g}{f' of {kind}' if kind else ''}")
     start = f", with {', '.join(values)}" if values else ""
     words = f"{format_thousands(step.ticks)} ticks from the start{start}."
     return f'<div class="fs-quiet">{html.escape(words)}</div>'
@@ -102,7 +103,7 @@ def verdict(step: SceneStep, progress: StepProgress, than: float) -> list[str]:
     assert trial is not None
     if trial.fault:
         return [f"{trial.fault}, so this is not the run of this step. It is not judged."]
-    name = observable_words(step.measure).capitalize()
+    name = observable_words(step.measure).capitalize() + (f" of {step.kind}" if step.kind else "")
     if not math.isfinite(trial.mean):
         return [f"{name} has no value in this run: it is not judged."]
     value = format_observable(step.measure, trial.mean)
