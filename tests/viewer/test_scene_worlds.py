@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -343,3 +344,26 @@ def test_reasons_are_drawn_for_the_inspected_agent_and_gone_with_it():
     assert words == {"split", "aim"}
     draw(part, shown(YARD))
     assert not any(node.visible for node in scene.sent)
+
+
+def picture_of(at: np.ndarray) -> Any:
+    """What a camera has to know of agents at places (N, 3) in the open, in a box of two by two."""
+    stage = SimpleNamespace(
+        half=np.array([1.0, 1.0, 0.0]), side=2.0, dim=2, to_display=lambda _: np.empty((0, 3))
+    )
+    frame = SimpleNamespace(room=None, world=SimpleNamespace(mission=None))
+    return SimpleNamespace(at=at, count=len(at), leader=None, stage=stage, frame=frame)
+
+
+@pytest.mark.parametrize(
+    ("east", "low", "high"),
+    [
+        (0.5, -1.0, 1.0),
+        (4.0, -1.0, 4.0),  # its world and the way from there
+        (40.0, 39.0, 41.0),  # itself alone, in as much room
+    ],
+)
+def test_a_flock_in_the_open_is_shown_with_its_world_until_it_is_far_from_it(east, low, high):
+    corners = extent(picture_of(np.tile([east, 0.0, 0.0], (5, 1))))
+    assert [corners[0][0], corners[1][0]] == pytest.approx([low, high])
+    assert [corners[0][1], corners[1][1]] == pytest.approx([-1.0, 1.0])

@@ -434,8 +434,15 @@ class LaboratoryPlots:
         if self.asked is not None and self.asked[0] is model and not is_coming:
             for chart, name in zip(self.charts, self.asked[1], strict=False):
                 if name in self.choices:
-                    set_value(chart.choice, name)
+                    self.show_in(chart, name)
             self.asked = None
+
+    def show_in(self, chart: ChosenChart, name: str) -> None:
+        """Have a chart show an observable; one that shows it already shows what this one did."""
+        for other in self.charts:
+            if other is not chart and other.choice.value == name:
+                set_value(other.choice, chart.choice.value)
+        set_value(chart.choice, name)
 
 
 class ChosenChart:

@@ -27,10 +27,12 @@ RESHAPED = 0.02
 """Change in the shape of a canvas, width over height, from which on the picture does not fit."""
 AGAIN = 0.5
 """Seconds between two looks whether a flock in the open has left what is shown."""
-BEYOND, AHEAD = 0.02, 0.25
-"""How far it is out then, and how much more is shown at each side, of the longest side shown."""
+BEYOND, AHEAD, ROOM = 0.02, 0.25, 1.0
+"""How far it is out then, and how much more is shown at each side, of the longest side shown:
+around the world, and around a flock alone, which goes on."""
 MOST = 4.0
-"""Sides of the world from which on a flock is let go: its agents would be too small to be seen."""
+"""Sides of the world from which on a flock is shown without its world, or if it is as far spread
+is let go: its agents would be too small to be seen."""
 ARRIVES = 10.0
 """Seconds after which a camera that was never where it was put has been moved by a person."""
 MOVED = 0.01
@@ -258,16 +260,21 @@ class Viewpoints:
         """Show the whole again where nobody has moved the camera: after a flock that has flown out
         of an open world, and a run that begins anew."""
         low, high = scene_corners(self._sights)
+        homes = [longest_side(*home_corners(picture)) for picture, _ in self._sights]
+        most = MOST * max(homes) * len(homes)
         for client in clients:
             stand = self._stands.get(client.client_id)
             if stand is None or stand.is_left(client.camera):
                 continue
             lower, upper = stand.shows
-            side, world = longest_side(lower, upper), self._sights[0].picture.stage.side
-            out = max((lower - low).max(), (high - upper).max()) > BEYOND * side
-            out &= side < MOST * world * len(self._sights)
+            out = max((lower - low).max(), (high - upper).max()) > BEYOND * longest_side(
+                *stand.shows
+            )
+            out &= longest_side(low, high) <= most
             if out or stand.run != self._sights[0].picture.frame.run:
-                self._place(client, stand.preset, stand.leans, AHEAD if out else 0.0)
+                is_alone = bool((low > 0.0).any() or (high < 0.0).any())  # the world is around 0
+                ahead = ROOM if is_alone else AHEAD
+                self._place(client, stand.preset, stand.leans, ahead if out else 0.0)
 
     async def _add_client(self, client: ClientHandle) -> None:
         """On the event loop: on viser's thread pool it might come after the farewell."""
@@ -351,17 +358,29 @@ def longest_side(low: np.ndarray, high: np.ndarray) -> float:
 
 
 def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (3,) of the world's box, its mission, and the flock where it has flown out of it."""
-    low, high = -picture.stage.half, picture.stage.half.copy()
-    for place in mission_places(picture):
-        low, high = np.minimum(low, place), np.maximum(high, place)
+    """Corners (3,) of the world's box, its mission, and the flock where it has flown out of it; of
+    the flock alone once it is so far out that all of that would be too much."""
+    low, high = home_corners(picture)
+    home = longest_side(low, high)
     if len(picture.at):
         some = picture.at[:: 1 + picture.count // MANY]
-        low = np.minimum(low, np.quantile(some, 0.02, axis=0))
-        high = np.maximum(high, np.quantile(some, 0.98, axis=0))
+        flock = np.quantile(some, 0.02, axis=0), np.quantile(some, 0.98, axis=0)
+        low, high = np.minimum(low, flock[0]), np.maximum(high, flock[1])
+        if longest_side(low, high) > MOST * home:
+            middle, half = (flock[0] + flock[1]) / 2.0, (flock[1] - flock[0]) / 2.0
+            half = np.maximum(half, picture.stage.half)
+            low, high = middle - half, middle + half
     if picture.leader is not None:
         low = np.minimum(low, picture.at[picture.leader])
         high = np.maximum(high, picture.at[picture.leader])
+    return low, high
+
+
+def home_corners(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (3,) of the world's box and its mission."""
+    low, high = -picture.stage.half, picture.stage.half.copy()
+    for place in mission_places(picture):
+        low, high = np.minimum(low, place), np.maximum(high, place)
     return low, high
 
 
