@@ -18,7 +18,7 @@ from agents.engine.heeding import CATCH, MOST_KINDS, RADIUS, WEIGHT
 from agents.engine.noise import tick_key, uniform
 from agents.flock import Flock
 from agents.individuals import ATTEMPTS, DRAWN, MOST_DRAWS, Distribution
-
+from agents.kinds import ORDINARY
 from agents.models.declare import NumberParameter, declared
 from agents.models.slider_range import round_up
 from agents.observables.of_rows import is_active, nearest_image
@@ -268,9 +268,9 @@ def claim_prey(flock, hunt, space):
         for j in range(n):
             if j != i and flock.kind[j] == hunt.prey and is_active(flock, j):
                 distance = closest_approach(flock, hunt, space, i, j)
-                if distance <= hunt.reach:
-                    if found < 0 or is_nearer(flock, distance, j, least, found):
-                        found, least = j, distance
+                is_first = found < 0 or is_nearer(flock, distance, j, least, found)
+                if distance <= hunt.reach and is_first:
+                    found, least = j, distance
         if found >= 0:
             rival = hunt.claimed[found]
             if rival < 0 or is_nearer(flock, least, i, hunt.distance[found], rival):
@@ -323,7 +323,7 @@ def speed_of(value: Any, own_of_row: Any, takes_chance: bool) -> Callable:
     def by_chance(p, own, at, chance):
         return value(own_of_row(p, own, at), chance)
 
-    def by_itself(p, own, at, chance):
+    def by_itself(p, own, at, chance):  # noqa: ARG001 - called alike
         return value(own_of_row(p, own, at))
 
     return by_chance if takes_chance else by_itself
@@ -551,9 +551,7 @@ def own_sliders(flock: Flock, shared: list[dict[str, Any]]) -> list[dict[str, An
         found.append(slider | {"of": ["mean", k]})
         distribution = flock.individuals.get(name)
         if distribution is not None and has_spread(distribution):
-            found.append(
-                spread_slider(parameters[name], name, distribution.spread, ["spread", k])
-            )
+            found.append(spread_slider(parameters[name], name, distribution.spread, ["spread", k]))
     for kind_number, kind in enumerate(flock.kinds.kinds, 1):
         group = {"group": kind.name}
         for name, value in kind.parameters.items():
@@ -564,7 +562,8 @@ def own_sliders(flock: Flock, shared: list[dict[str, Any]]) -> list[dict[str, An
             if isinstance(value, Distribution) and has_spread(value):
                 of = ["spread", k]
                 found.append(spread_slider(one, own_name, value.spread, of, **group))
-    return [*found, *relation_sliders(flock)]
+        found += relation_sliders(flock, kind.name)
+    return [*found, *relation_sliders(flock, ORDINARY)]
 
 
 def has_spread(distribution: Distribution) -> bool:
@@ -573,15 +572,15 @@ def has_spread(distribution: Distribution) -> bool:
 
 
 RELATIONS = {
-    "weight": (WEIGHT, "Weight", "w", "1", "How much it counts beside what the rule wishes."),
-    "radius": (RADIUS, "Within", "R", "length", "How far they notice the others."),
-    "catch": (CATCH, "Catches within", "c", "length", "The distance at which one is caught."),
+    "weight": (WEIGHT, ": weight", "w", "1", "How much it counts beside what the rule wishes."),
+    "radius": (RADIUS, " within", "R", "length", "How far they notice the others."),
+    "catch": (CATCH, "", "c", "length", "The distance at which one is caught."),
 }
 """Of each number of a relation its column in `Context.relations`, and what its slider says."""
 
 
-def relation_sliders(flock: Flock) -> list[dict[str, Any]]:
-    """The sliders of what is said of relations.
+def relation_sliders(flock: Flock, of: str) -> list[dict[str, Any]]:
+    """The sliders of what is said of the relations of a kind to others.
 
     Where those who are chased flee because nothing else is said, they follow the chase: each slider
     says which cells of `Context.relations` it writes, and their sign.
@@ -591,12 +590,12 @@ def relation_sliders(flock: Flock) -> list[dict[str, Any]]:
     found = []
     for kind, other in kinds.said:
         relation = kinds.of(kind, other)
-        if relation.deed not in ("chase", "flee"):
+        if kind != of or relation.deed not in ("chase", "flee"):
             continue
         i, j = number[kind], number[other]
         sign = 1.0 if relation.deed == "chase" else -1.0
         has_back = relation.deed == "chase" and kind != other and (other, kind) not in kinds.said
-        does = f"{kind} {'chases' if relation.deed == 'chase' else 'flees from'} {other}"
+        does = f"{'Chases' if relation.deed == 'chase' else 'Flees from'} {other}"
         for name, (column, words, symbol, unit, description) in RELATIONS.items():
             value = getattr(relation, name)
             if value is None or (name == "catch" and not value):
@@ -610,7 +609,7 @@ def relation_sliders(flock: Flock) -> list[dict[str, Any]]:
                     "name": f"{kind}.{other}.{name}",
                     "symbol": symbol,
                     "unit": unit,
-                    "words": f"{words}: {does}",
+                    "words": f"Catches {other} within" if name == "catch" else f"{does}{words}",
                     "description": description,
                     "low": 1e-2 * value if name == "radius" else 0.0,
                     "high": max(high, value),

@@ -165,7 +165,7 @@ def web_program(
         },
         "grows": grows,
         "calls": calls,
-        "tries": TRIES + 1,
+        "attempts": TRIES + 1,
         "start": start_words(flock) if is_anew else None,
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,
@@ -182,15 +182,19 @@ def web_program(
 def page_arguments(flock: Flock, call: CallStopped) -> dict[str, Any]:
     """The arguments of all functions of a page, by their names: those of the loop's call first."""
     names = inspect.signature(call.function.py_func).parameters
-    return dict(zip(names, call.arguments, strict=True)) | {
-        "cells": empty_cells(len(flock.ids)),
-        "converges": bool(flock.model.rule.converges),
-        "start": start_task(flock),
-        "chance": 0.0,
-        "keys": np.zeros(len(flock.ids)),
-        "air": wind_task(flock),
-        "together": flock.together,
-    } | (own_arguments(flock) if differs(flock) else {})
+    return (
+        dict(zip(names, call.arguments, strict=True))
+        | {
+            "cells": empty_cells(len(flock.ids)),
+            "converges": bool(flock.model.rule.converges),
+            "start": start_task(flock),
+            "chance": 0.0,
+            "keys": np.zeros(len(flock.ids)),
+            "air": wind_task(flock),
+            "together": flock.together,
+        }
+        | (own_arguments(flock) if differs(flock) else {})
+    )
 
 
 def differs(flock: Flock) -> bool:
@@ -476,7 +480,9 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
     if loop_changed or changed.nearest != context.nearest:
         return []
     if changed.lasts != context.lasts:
-        if changed.lasts != other[name] or flock.options.is_late:  # how old messages are follows from it
+        if (
+            changed.lasts != other[name] or flock.options.is_late
+        ):  # how old messages are follows from it
             return []
         paths.append(DURATION)
     return [image.arguments[path].slot for path in paths]

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.flock import Flock
+from agents.kinds import Kind, chase
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.groups import rank_groups
 from agents.observables.of_rows import empty_cells, groups, layers
@@ -19,6 +20,7 @@ from agents.web_program import first_call
 from worlds.compilation import plain_python
 
 COMPILED = {name: one for name, one in OBSERVABLES.items() if one.compiled is not None}
+HUNTERS = Kind("hunter", 3, to={"flock": chase(2.0, 2.0, catch=0.3, caught="frozen")})
 FLOCKS = {
     "in a box that closes": ("vem", {"agents": 40}),
     "in space": ("couzin", {"agents": 30}),
@@ -26,6 +28,7 @@ FLOCKS = {
     "led": ("hwvem", {"agents": 25}),
     "along walls": ("pedestrian", {"agents": 20}),
     "with crashes": ("thesis", {"agents": 30}),
+    "with hunters": ("vem", {"agents": 40, "kinds": [HUNTERS]}),
     "alone": ("vem", {"agents": 1}),
     "two": ("vem", {"agents": 2}),
 }
@@ -39,6 +42,7 @@ def loop_arguments(flock: Flock) -> dict[str, Any]:
         "cells": empty_cells(len(flock.ids)),
         "converges": bool(flock.model.rule.converges),
         "together": flock.together,
+        "caught": float(len(flock.catches)),
         "tick": flock.tick,
     }
 
@@ -116,16 +120,20 @@ def test_labels_of_groups_and_layers_are_those_of_the_flock(case):
     st.sampled_from([0.02, 0.3, 1.0, 3.0]),
 )
 def test_who_is_near_whom_is_found_however_they_stand(seed, dim, agents, reach):
-    """In one heap or far apart, on a line, over the seam or not, some of them crashed."""
+    """In one heap or far apart, on a line, over the seam or not, some crashed or caught."""
     rng = np.random.default_rng(seed)
     size, images = rng.uniform(1.0, 5.0, 3), rng.integers(0, 2, 3)
     shape = rng.choice([1.0, 0.0, 1e-3], 3) * rng.choice([0.01, 1.0])
     position = (rng.uniform(-1.0, 1.0, (agents, 3)) * size * shape)[:, :dim]
     crash_record = np.where(rng.random((agents, 1)) < 0.2, 1.0, -1.0)
     informed = rng.random(agents) < 0.2
-    flock = SimpleNamespace(position=position, crash_record=crash_record, informed=informed)
+    kind = np.where(rng.random(agents) < 0.2, -1.0, 0.0)
+    active = (crash_record[:, 0] < 0.0) & (kind >= 0.0)
+    flock = SimpleNamespace(
+        position=position, crash_record=crash_record, informed=informed, kind=kind
+    )
     space = SimpleNamespace(size=size, images=images)
-    there = position[crash_record[:, 0] < 0.0]
+    there = position[active]
     closes = images[:dim].astype(bool)
     distance = np.array([[apart(a, b, size[:dim], closes) for b in there] for a in there])
     distance = distance.reshape(len(there), len(there))
@@ -141,7 +149,6 @@ def test_who_is_near_whom_is_found_however_they_stand(seed, dim, agents, reach):
     }
     with plain_python():
         known = layers.py_func(flock, space, given["context"], cells)
-    active = crash_record[:, 0] < 0.0
     assert cells.parent[active].tolist() == hops(near, informed[active], agents)
     assert known == np.count_nonzero(cells.parent <= agents)
     expected = {

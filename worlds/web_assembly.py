@@ -275,7 +275,7 @@ def link_helpers(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
 
 
 OWN, OWN_LANES = "own_{}", "own_{}_lanes"
-"""What a library's function is called where it is one of ours: of a double, and of eight at once."""
+"""What a library's function of a double, or of eight, is called where it is one of ours."""
 LANES = 8
 """Doubles of a vector: `agents.engine.vector_lanes.WIDTH`."""
 
@@ -319,9 +319,7 @@ def lanes_caller(name: str) -> str:
     for lane in range(LANES):
         lines.append(f"  %x{lane} = extractelement {kind} %x, i32 {lane}")
         lines.append(f"  %y{lane} = call double @{OWN.format(name)}(double %x{lane})")
-        lines.append(
-            f"  %v{lane} = insertelement {kind} {before}, double %y{lane}, i32 {lane}"
-        )
+        lines.append(f"  %v{lane} = insertelement {kind} {before}, double %y{lane}, i32 {lane}")
         before = f"%v{lane}"
     return "\n".join([*lines, f"  ret {kind} {before}", "}", ""])
 

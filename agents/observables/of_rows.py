@@ -8,8 +8,8 @@ Each takes arrays of the engine by the names of its arguments, `flock`, `space`,
     cells       room for cell lists, `CellLists`
     caught      how many agents were caught so far
 
-Rows of agents that have crashed, or that were caught and stand still, are left out. A value is that of the observable of the same name,
-which is written in NumPy: tests hold one against the other.
+Rows of agents that have crashed, or that were caught and stand still, are left out. A value is that
+of the observable of the same name, which is written in NumPy: tests hold one against the other.
 """
 
 from __future__ import annotations

@@ -62,6 +62,9 @@ function showKinds() {
         this.group = group;
       }
       addSlider.call(this, parameter);
+      if (!group) return;
+      const input = $("sliders").lastElementChild.querySelector("input");
+      input.setAttribute("aria-label", `${group}: ${input.getAttribute("aria-label")}`);
     },
     // Also those of each kind.
     areZonesInOrder(valueOf) {

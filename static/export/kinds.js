@@ -195,7 +195,7 @@ class KindKernel extends Kernel {
     const words = { first: 0, end: lacks.length, spacing: 0, gap };
     for (const [name, value] of Object.entries(words)) this.write(`start.${name}`, value);
     let lack = rows.length;
-    for (let attempt = 1; lack && attempt <= this.manifest.tries; attempt++) {
+    for (let attempt = 1; lack && attempt <= this.manifest.attempts; attempt++) {
       this.write("start.attempt", attempt);
       this.draw("draw_places");
       lack = this.manifest.calls.count_misplaced ? this.draw("count_misplaced") : 0;

@@ -51,7 +51,7 @@ class Starter {
     const { kernel } = this;
     for (const [name, value] of Object.entries({ first, end, spacing, gap })) kernel.write(`start.${name}`, value);
     let lack = end - first;
-    for (let attempt = 1; lack && attempt <= kernel.manifest.tries; attempt++) {
+    for (let attempt = 1; lack && attempt <= kernel.manifest.attempts; attempt++) {
       kernel.write("start.attempt", attempt);
       kernel.draw("draw_places");
       lack = kernel.manifest.calls.count_misplaced ? kernel.draw("count_misplaced") : 0;

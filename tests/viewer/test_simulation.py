@@ -381,12 +381,6 @@ def test_a_model_that_is_not_taken_over_is_said_with_what_differed(vem):
     assert SetupPanel.dropped_differences(state, state.current_specs()) == ""
 
 
-def test_a_page_of_its_own_is_refused_where_agents_differ(vem):
-    (flock,) = vem.flocks().result(60)
-    with pytest.raises(InputError, match="agents differ in eta: in a page that runs by itself"):
-        web_program(flock)
-
-
 # Kinds of agents.
 
 

@@ -230,7 +230,9 @@ def page_parts(
     colour = words.colour or (KIND if flock.kinds.kinds else "")
     form = rule.form if words.form == AS_MODEL else words.form
     shape = shape_of(flock.world.dim, flock.model.body.vehicle is not None, form)
-    manifest = program.manifest | obstacles | {"palette": page_palette(flock.world.dim, flock.kinds)}
+    manifest = (
+        program.manifest | obstacles | {"palette": page_palette(flock.world.dim, flock.kinds)}
+    )
     manifest["tries"] = steps_to_try(flock, words)
     if colour:
         manifest["colour"] = colour
