@@ -69,7 +69,7 @@ class OwnDraw(NamedTuple):
     column: int
     """Of `Arrays.own`."""
     family: int
-    count: int
+    number: int
     """How many values there are."""
     low: float
     """Numbers outside of [low, high] are drawn again."""
@@ -173,7 +173,7 @@ def drawn_number(draw, chance):
     if draw.family == UNIFORM:
         return first + (second - first) * chance
     if draw.family == ONE_OF:
-        return draw.values[int(chance * draw.count)]
+        return draw.values[int(chance * draw.number)]
     away = quantile(chance + 2.0**-54)
     if draw.family == NORMAL:
         return first + second * away
@@ -388,7 +388,7 @@ def own_arguments(flock: Flock) -> dict[str, Any]:
             takes=np.zeros(MOST_KINDS + 2, np.uint8),
             column=0,
             family=0,
-            count=0,
+            number=0,
             low=0.0,
             high=0.0,
             key=0,
@@ -495,7 +495,7 @@ def slider_values(
 ) -> dict[str, Any]:
     """A slider of agents that differ, as the page's script has it; `of`: what it changes."""
     low, high = parameter.proposed
-    values = {
+    values: dict[str, Any] = {
         "name": name,
         "symbol": parameter.symbol,
         "unit": parameter.unit,

@@ -97,7 +97,7 @@ class KindKernel extends Kernel {
     const takes = this.takes(draw);
     this.view("draw.takes").forEach((_, k, all) => { all[k] = takes(k - 1) ? 1 : 0; });
     this.view("draw.values").set(numbers);
-    const words = { column, family, count: numbers.length, low: low ?? -Infinity, high: high ?? Infinity, key };
+    const words = { column, family, number: numbers.length, low: low ?? -Infinity, high: high ?? Infinity, key };
     for (const [name, value] of Object.entries(words)) this.write(`draw.${name}`, value);
     if (this.draw("draw_own") < 0) throw new Error(`next to no number drawn is in [${low ?? "-inf"}, ${high ?? "inf"}]`);
   }
