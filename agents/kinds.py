@@ -400,7 +400,7 @@ class KindTable:
         return [k for k, kind in enumerate(self.kinds, 1) if name in kind.parameters]
 
     @property
-    def said(self) -> tuple[tuple[str, str], ...]:
+    def explicit(self) -> tuple[tuple[str, str], ...]:
         """Whose relation to whom somebody has said, in their order: the others follow from it."""
         found: dict[tuple[str, str], None] = {}
         for name, heeded in ((ORDINARY, self.to), *((kind.name, kind.to) for kind in self.kinds)):

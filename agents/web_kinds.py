@@ -588,13 +588,15 @@ def relation_sliders(flock: Flock, of: str) -> list[dict[str, Any]]:
     kinds = flock.kinds
     number = {name: k for k, name in enumerate(kinds.names)}
     found = []
-    for kind, other in kinds.said:
+    for kind, other in kinds.explicit:
         relation = kinds.of(kind, other)
         if kind != of or relation.deed not in ("chase", "flee"):
             continue
         i, j = number[kind], number[other]
         sign = 1.0 if relation.deed == "chase" else -1.0
-        has_back = relation.deed == "chase" and kind != other and (other, kind) not in kinds.said
+        has_back = (
+            relation.deed == "chase" and kind != other and (other, kind) not in kinds.explicit
+        )
         does = f"{'Chases' if relation.deed == 'chase' else 'Flees from'} {other}"
         for name, (column, words, symbol, unit, description) in RELATIONS.items():
             value = getattr(relation, name)

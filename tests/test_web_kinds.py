@@ -175,13 +175,13 @@ def web_module_of_nothing() -> bytes:
 
 def test_who_flees_because_it_is_chased_follows_the_slider_of_the_chase():
     hunter = Kind("hunter", 1, to={"flock": chase(2.0, 1.0)})
-    assert kind_table((hunter,), {}).said == (("hunter", "flock"),)
-    assert kind_table((hunter,), {"hunter": flee(1.0)}).said == (
+    assert kind_table((hunter,), {}).explicit == (("hunter", "flock"),)
+    assert kind_table((hunter,), {"hunter": flee(1.0)}).explicit == (
         ("flock", "hunter"),
         ("hunter", "flock"),
     )
     to_all = Kind("wolf", 1, to={"all": chase(1.0), "prey": flee(1.0)})
-    assert kind_table((hunter, to_all), {}).said == (
+    assert kind_table((hunter, to_all), {}).explicit == (
         ("hunter", "flock"),
         ("wolf", "flock"),
         ("wolf", "hunter"),
