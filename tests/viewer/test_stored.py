@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -14,13 +15,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import Flock
+from agents.bodies.constant_speed import BODY as CONSTANT_SPEED
+from agents.catalogue import MODELS
+from agents.engine.heeding import CAUGHT
 from agents.individuals import each, normal
 from agents.kinds import Kind, chase
+from agents.models.model import Model
 from agents.recordings.parquet_table import ParquetTable
 from agents.recordings.recorder import KEY, Recorder
+from agents.rules.vicsek import VEM
 from agents.spec import Spec
 from app.sandboxed_reader import read_in_sandbox
 from app.viewer.gallery.file_opener import open_file
+from app.viewer.gallery.saved_scene import read_run
 from app.viewer.run import stored_flock as limits
 from app.viewer.run.flock_run_builder import FlockRunBuilder
 from app.viewer.run.frame_builder import FrameRequest
@@ -282,6 +289,24 @@ def test_a_hunt_goes_on_from_its_state_is_played_and_keeps_its_kinds(tmp_path, c
         assert ((frame.kind == 1) | frame.is_caught).sum() == 40 - (caught == "taken") * counts[-1]
     assert counts == sorted(counts)
     assert counts[-1] > counts[0]
+
+
+def test_a_rule_that_is_edited_to_know_a_kind_has_it_first_and_the_others_as_they_were(monkeypatch):
+    before = Model(replace(VEM, name="herd"), CONSTANT_SPEED)
+    monkeypatch.setitem(MODELS, "herd", before)
+    flock = Flock(Spec("herd", agents=8, seed=1, kinds=[Kind("shark", 2, v0=0.05)]))
+    flock.arrays.kind[flock.rows_of("shark")[0]] = CAUGHT
+    sharks = flock.kind_names == "shark"
+    monkeypatch.setitem(
+        MODELS, "herd", Model(replace(before.rule, kinds=("wolf",)), CONSTANT_SPEED)
+    )
+    stored = under_new_rule(flock.spec, flock.snapshot(), Flock)
+    now = stored.flock(Flock)
+    assert now.kinds.names == ("flock", "wolf", "shark")
+    assert np.array_equal(now.kind_names, flock.kind_names)
+    assert (now.own["v0"][sharks] == 0.05).all()
+    scene = read_run({"model": "herd", "agents": 5, "kinds": [{"name": "shark"}]}, "a scene")
+    assert Flock(scene).kinds.names == ("flock", "wolf", "shark")
 
 
 @pytest.mark.parametrize("model", ["", "gregoire-chate"])
