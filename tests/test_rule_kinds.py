@@ -15,6 +15,7 @@ from agents.conformance import CHECKS, outcome
 from agents.flock import Flock
 from agents.kinds import Kind, chase, complete_kinds
 from agents.models.model import Model
+from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from flockscope.rules import (
     CONSTANT_SPEED,
@@ -187,6 +188,8 @@ def test_kinds_that_a_rule_knows_come_first_and_are_there_without_agents():
     assert len(alone.rows_of("wolf")) == 0
     assert len(alone.ids) == 5
     assert alone.warning == ""
+    assert not OBSERVABLES["kind-distance"].applies(alone)
+    assert OBSERVABLES["kind-distance"].applies(flock)
     assert Flock(alone.spec).spec == alone.spec
     assert Spec.from_toml(alone.spec.to_toml()).kinds == alone.spec.kinds
 

@@ -67,8 +67,8 @@ def has_differences(flock) -> bool:
 
 
 def has_kinds(flock) -> bool:
-    """Whether there are agents of several kinds in a flock."""
-    return bool(flock.kinds.kinds)
+    """Whether a flock begins with agents of several kinds."""
+    return any(kind.agents for kind in flock.kinds.kinds)
 
 
 def has_hunters(flock) -> bool:
