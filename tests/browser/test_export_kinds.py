@@ -143,9 +143,9 @@ CASES: dict[str, tuple[dict[str, Any], list[Change]]] = {
             "agents": 40,
             "delay": 3.0,
             "v0": uniform(0.02, 0.04),
-            "kinds": [Kind("shark", 3, to={"flock": chase(1.0, 1.0, catch=0.25)})],
+            "kinds": [Kind("shark", 3, to={"flock": chase(1.0, catch=0.25)})],
         },
-        [shifted("v0", 0.035)],
+        [shifted("v0", 0.035), Change("r", 1.3, lambda flock: flock.set(r=1.3))],
     ),
     "a number for each agent": (
         {
