@@ -1,8 +1,8 @@
 """Make one compiled loop for each rule and body, and keep it on disk.
 
 numba finds a kernel in its cache only if the kernel reaches the rule as a global of its module. So
-each rule gets a module of its own, made from a template: a file of `ticks`, or
-`pairs/tick.py`.
+each rule gets a module of its own, made from a template: a file of `ticks`, or `pairs/tick.py`,
+whose sums are those of another, `pairs/pair_sums.py`.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ LOADING = threading.Lock()
 TEMPLATES = {
     "sweep": HERE / "ticks" / "synchronous_tick.py",
     "pairs": HERE / "pairs" / "tick.py",
+    "pair_sums": HERE / "pairs" / "pair_sums.py",
     "turns": HERE / "ticks" / "sequential_tick.py",
     "delayed": HERE / "ticks" / "delayed_tick.py",
 }
@@ -43,6 +44,9 @@ def loop_module(kind: str, parts: dict[str, Callable | int | None], fields):
     }
     own = "own_of_row", "own_of_eight"
     filled |= {name: getattr(template, name) for name in own}
+    if kind == "pairs":
+        sums = vars(load("pair_sums", filled, fields))
+        filled |= {name: sums[name] for name in ("is_any_lone", "nearest_sums", "pair_sums")}
     return load(kind, filled, fields)
 
 
@@ -103,8 +107,9 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
         if module_name not in sys.modules:
             module = execute_template(kind, module_name, globals_, fields)
             sys.modules[module_name] = module  # a kept kernel finds its parameters' class there
-            fingerprint(module.advance, digest, visited)
-            module.__dict__["cache_folder"] = keep_on_disk(module.advance, digest)
+            if kind != "pair_sums":  # it has no entry: another template calls it
+                fingerprint(module.advance, digest, visited)
+                module.__dict__["cache_folder"] = keep_on_disk(module.advance, digest)
     return sys.modules[module_name]
 
 

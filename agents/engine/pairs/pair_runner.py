@@ -17,6 +17,7 @@ from agents.engine.arrays import (
 from agents.engine.cells import Slots
 from agents.engine.heeding import COLUMNS
 from agents.engine.pairs import tick as pairs
+from agents.engine.pairs.pair_workspace import PairWorkspace, empty_notes
 from agents.engine.pairs.thread_barrier import BAD, STOP
 from agents.engine.runner import UNTRACED, Called, Team, at_once, refuse
 from agents.engine.vector_lanes import WIDTH
@@ -64,10 +65,10 @@ class PairEngine:
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
 
-    def empty_notes(self, nearest: int = 1, kinds: int = 0) -> pairs.PairWorkspace:
+    def empty_notes(self, nearest: int = 1, kinds: int = 0) -> PairWorkspace:
         """A thread's notes, for so many nearest agents and kinds."""
         loop, points = self.module, self.surroundings.most_points
-        return pairs.empty_notes(loop.ALL_SUMS, loop.PRIVATE, points, self.index, nearest, kinds)
+        return empty_notes(loop.ALL_SUMS, loop.PRIVATE, points, self.index, nearest, kinds)
 
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop."""
