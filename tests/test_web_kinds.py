@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from agents.engine.cells import Space
 from agents.engine.heeding import MOST_KINDS
 from agents.flock import Flock
+from agents.flock_loop import pad_to_space
 from agents.individuals import Distribution, draw_values, lognormal, normal, one_of, uniform
 from agents.kinds import Kind, chase, flee, kind_table
-from agents.motion import pad_to_space
 from agents.web_kinds import FAMILIES, Hunt, OwnDraw, claim_prey, draw_own, note_steps, page_values
 from agents.web_math import FUNCTIONS, page_function
 from agents.web_program import web_program
