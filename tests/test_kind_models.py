@@ -315,6 +315,9 @@ def test_links_and_reaches_go_by_the_agents_own_models():
     assert flock.links().tolist() == pairs.tolist()
     alone = flock.snapshot().of_kind("loner")
     assert (alone.model.name, alone.reach, len(alone.ids)) == ("gregoire-chate", 2.0, 5)
+    measured = flock.observe("mean-neighbours", kind="loner")
+    within = (distance <= 2.0)[np.ix_(sorted(loners), sorted(loners))].sum(axis=1) - 1
+    assert measured == within.mean()
 
 
 # What is refused.

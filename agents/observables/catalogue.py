@@ -537,7 +537,7 @@ def find_observable(name: str) -> Observable:
     one = OBSERVABLES[whole]
 
     def measure(snapshot: Any) -> Any:
-        return one.measure(snapshot.of(snapshot.rows_of(kind)))
+        return one.measure(snapshot.of_kind(kind))
 
     return replace(
         one,
