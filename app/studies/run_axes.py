@@ -208,7 +208,7 @@ def with_kind_numbers(spec: Spec, axes: list[RunAxis], values: Mapping[str, Any]
 
 def value_for_kind(spec: Spec, table: KindTable, axis: RunAxis, value: Any) -> Any:
     """The number or the distribution that an axis gives a kind of its parameter. Or InputError."""
-    model = catalogue.model(spec.model)
+    model = model_of_kind(spec, table, axis.kind)
     given = None if axis.moment else as_distribution(value)
     if given is not None:
         model.demand_individual([axis.item])
@@ -224,9 +224,17 @@ def value_for_kind(spec: Spec, table: KindTable, axis: RunAxis, value: Any) -> A
 
 def own_value(spec: Spec, table: KindTable, axis: RunAxis) -> Any:
     """The number or the distribution that a kind has of a parameter: its own, or that of all."""
-    shared = spec.individuals.get(axis.item)
-    own = table.kind(axis.kind).parameters
-    return own.get(axis.item, value_of(spec, axis.item) if shared is None else shared)
+    kind, shared = table.kind(axis.kind), spec.individuals.get(axis.item)
+    if axis.item in kind.parameters:
+        return kind.parameters[axis.item]
+    if kind.model:
+        return model_of_kind(spec, table, axis.kind).parameters.model_fields[axis.item].default
+    return value_of(spec, axis.item) if shared is None else shared
+
+
+def model_of_kind(spec: Spec, table: KindTable, name: str) -> Model:
+    """The model by which a kind goes: its own, or that of the flock."""
+    return catalogue.model(table.kind(name).model or spec.model)
 
 
 def demand_kinds_of(axis: RunAxis, table: KindTable) -> None:
@@ -297,7 +305,7 @@ def value_of_kind(spec: Spec, axis: RunAxis) -> Any:
     if axis.item == AGENTS:
         return table.kind(axis.kind).agents
     try:
-        catalogue.model(spec.model).demand_individual([axis.item])
+        model_of_kind(spec, table, axis.kind).demand_individual([axis.item])
     except InputError as error:
         raise InputError(f"{axis.name}: {error}") from None
     value = own_value(spec, table, axis)
@@ -330,14 +338,18 @@ def moment_axes(item: str, own: Distribution | None, kind: str = "") -> Iterator
 
 
 def kind_axes(spec: Spec) -> Iterator[RunAxis]:
-    """The axes over numbers of a run's kinds: agents, parameters, then relations."""
+    """The axes over numbers of a run's kinds: agents, parameters, then relations.
+
+    Of a kind that goes by a model of its own without its parameters, which the flock's model does
+    not declare.
+    """
     table = kind_table(spec.kinds, spec.to)
     can_differ = catalogue.model(spec.model).individual
     for kind in table.kinds:
         yield RunAxis(f"{kind.name}.{AGENTS}", AGENTS, "", kind.name)
         for one in number_parameters(spec.model):
             own = kind.parameters.get(one.name, spec.individuals.get(one.name))
-            if one.name in can_differ:
+            if one.name in can_differ and not kind.model:
                 drawn = own if isinstance(own, Distribution) else None
                 yield from moment_axes(one.name, drawn, kind.name)
     for (name, other), relation in table.relations.items():

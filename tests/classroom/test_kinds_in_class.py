@@ -114,6 +114,8 @@ def test_a_kind_that_looks_far_costs_as_much_as_it_looks():
         question_of(asked, many.with_values(kinds=far))
     with pytest.raises(InputError, match=r"agents that each look at .* take too long"):
         question_of(asked, many.with_values(kinds=[Kind("shark", 2, r=5.0)]))
+    loner = Kind("shark", 2, model="gregoire-chate")
+    question_of(asked, many.with_values(kinds=[loner], to={}))
 
 
 def test_a_result_is_at_the_number_of_the_kind_and_differs_by_nothing_else():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cli.calling import call, refusal
 
+from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.individuals import normal, uniform
 from agents.kinds import Kind, chase, flee, kind_table
@@ -112,6 +113,24 @@ def test_what_a_run_has_is_what_its_axes_give_back():
     assert value_of(HUNT, "shark.eta.spread") == 0.5
     assert value_of(HUNT, "shark.r") == 1.0
     assert value_of(HUNT, "shark.eta") == "uniform(0, 1)"
+
+
+def test_a_kind_by_a_model_of_its_own_has_that_models_numbers():
+    """Its defaults and ranges; what the flock's model has alone is none of its parameters."""
+    loner = Kind("loner", 5, model="gregoire-chate", eta=0.3)
+    spec = Spec("vem", agents=12, size=3.0, kinds=[loner], parameters={"v0": 0.09})
+    made = spec_with(spec, {"loner.v0": 0.04, "loner.eta.spread": 0.1, "loner.agents": 2})
+    assert made.kinds == (Kind("loner", 2, model="gregoire-chate", eta=normal(0.3, 0.1), v0=0.04),)
+    fields = MODELS["gregoire-chate"].parameters.model_fields
+    assert value_of(spec, "loner.v0") == fields["v0"].default != 0.09
+    Flock(made.but(seed=1))
+    only = next(name for name in MODELS["gregoire-chate"].individual if name not in {"v0", "eta"})
+    assert value_of(spec, f"loner.{only}") == fields[only].default
+    with pytest.raises(InputError, match=r"loner.p2: unknown parameter 'p2'"):
+        spec_with(spec, {"loner.p2": 3.0})
+    names = {axis.name for axis in numeric_axes(spec)}
+    assert "loner.agents" in names
+    assert "loner.v0" not in names
 
 
 def test_a_kind_and_a_parameter_of_one_name_are_told_apart():

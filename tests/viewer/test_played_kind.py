@@ -39,6 +39,17 @@ def test_kinds_apart_have_numbers_of_their_own_and_the_bits_of_before():
     assert with_kinds_apart(apart) == apart
 
 
+def test_a_kind_by_a_model_of_its_own_shares_nothing_and_keeps_its_model():
+    loner = Kind("loner", 2, model="gregoire-chate")
+    spec = preset_spec("vem", agents=12, seed=4, size=4.0, kinds=[loner, SHARK])
+    apart = with_kinds_apart(spec)
+    assert apart.kinds[0].parameters == {}
+    role = PlayedKind("shark", apart)
+    role.demand_run(apart, None)
+    with pytest.raises(InputError, match="the model of loner cannot be changed here"):
+        role.demand_run(apart.but(kinds=[Kind("loner", 2), apart.kinds[1]]), None)
+
+
 @pytest.mark.parametrize(
     ("played", "changes", "refused"),
     [

@@ -307,6 +307,8 @@ def store_of(folder: Path, text: str, runs: int, agents: int = 20, **more: objec
         (OF_PAGE, 101, 20, "101 runs of a cell"),
         (OF_PAGE, 10, 3001, "3,001 agents"),
         ('[run]\nmodel = "mine.py"\nticks = 9\n', 10, 20, "code of its own"),
+        (OF_PAGE + 'kinds = [{ name = "a", model = "mine.py" }]\n', 10, 20, "code of its own"),
+        (OF_PAGE + 'kinds = [{ name = "a", policy = "mine" }]\n', 10, 20, "code of its own"),
         (OF_PAGE + '[[observe]]\nmeasure = "m.py:f"\n', 10, 20, "code of its own"),
         (OF_PAGE + '[[observe]]\nname = "order"\nmeasure = "m.py:f"\n', 10, 20, "either name or"),
         (OF_PAGE + 'world = "mine.toml"\n', 10, 20, "not of the page's kind"),

@@ -90,9 +90,13 @@ def look_radius(spec: CompleteSpec) -> float:
     """How far the agents of a run look, length: those of the kind that looks furthest."""
     model, table = MODELS[spec.model], kind_table(spec.kinds, spec.to)
     shared = checked(model.parameters, spec.parameters)
-    own = [split_individuals(kind.parameters)[0] for kind in table.kinds]
-    all_of = [shared, *(checked(model.parameters, shared.model_dump() | one) for one in own)]
-    return max(table.radius, *(float(getattr(one, model.rule.reach)) for one in all_of), 0.0)
+    radii = [table.radius, float(getattr(shared, model.rule.reach))]
+    for kind in table.kinds:
+        own = MODELS[kind.model or spec.model]
+        numbers = split_individuals(kind.parameters)[0]
+        given = numbers if kind.model else shared.model_dump() | numbers
+        radii.append(float(getattr(checked(own.parameters, given), own.rule.reach)))
+    return max(radii)
 
 
 def world_of(spec: CompleteSpec, model: Model) -> World:

@@ -24,8 +24,9 @@ def with_kinds_apart(spec: Spec) -> Spec:
     table, model = kind_table(spec.kinds, spec.to), MODELS[spec.model]
     shared = checked(model.parameters, spec.parameters).model_dump() | spec.individuals
     for kind in table.kinds:
-        own = {name: shared[name] for name in model.individual} | kind.parameters
-        table = table.with_kind(replace_kind(kind, parameters=own))
+        if not kind.model:  # one by a model of its own shares no number with others
+            own = {name: shared[name] for name in model.individual} | kind.parameters
+            table = table.with_kind(replace_kind(kind, parameters=own))
     for (name, other), relation in tuple(table.relations.items()):
         table = table.with_relation(name, other, relation)
     return spec.but(kinds=table.kinds, to=table.to)
@@ -90,7 +91,8 @@ class PlayedKind:
         for kind in kinds.kinds:
             values[f"the number of {kind.name}"] = kind.agents
             values[f"the start of {kind.name}"] = kind.start
-            values[f"the steering of {kind.name}"] = kind.steered
+            values[f"the steering of {kind.name}"] = kind.steered, kind.policy
+            values[f"the model of {kind.name}"] = kind.model
             if kind.name != self.name:
                 values[f"the colour of {kind.name}"] = kind.colour
                 values |= {f"{key} of {kind.name}": own for key, own in kind.parameters.items()}

@@ -380,7 +380,9 @@ def demand_from_page(folder: Path) -> None:
     text = read_text(f"sweep {str(path)!r}", path)
     file = check_file(SweepFile, toml(text, str(path)), KeyLocations(str(path), text))
     told = f"go on with `flockscope sweep run {folder.name}`"
-    known = file.run.model in MODELS and file.run.model not in FILES
+    models = [file.run.model, *(kind.model for kind in file.run.kinds if kind.model)]
+    known = all(name in MODELS and name not in FILES for name in models)
+    known = known and not any(kind.policy for kind in file.run.kinds)
     if not known or not all(one.name in OBSERVABLES for one in file.observe):
         raise InputError(f"{folder.name} has code of its own: {told}")
     reads = file.run.world not in (None, WORLD, *layout_names()) or any(

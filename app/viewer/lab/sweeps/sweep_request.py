@@ -217,11 +217,12 @@ def most_agents(spec: CompleteSpec, grid: Mapping[str, Sequence[Any]]) -> int:
 
 def demand_catalogued(spec: CompleteSpec) -> None:
     """Refuse a run of a model that only this process knows. Raises InputError."""
-    if spec.model in FILES:
-        raise InputError(
-            f"{spec.model} is a model of a file: its sweeps are begun on the command line,"
-            " flockscope sweep run FILE.toml"
-        )
+    for name in spec.models:
+        if name in FILES:
+            raise InputError(
+                f"{name} is a model of a file: its sweeps are begun on the command line,"
+                " flockscope sweep run FILE.toml"
+            )
 
 
 def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str, Any]:
