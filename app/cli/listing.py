@@ -84,14 +84,15 @@ def overview(rows_by_kind: dict[str, Rows]) -> list[str]:
         "One kind:   flockscope list KIND, as in `flockscope list models`",
     ]
     for kind, kind_names in names(rows_by_kind).items():
-        lines.append(f"{kind} ({len(kind_names)})")
         if kind == "parameters":
-            lines.append("  flockscope list MODEL shows those of a model, with unit and range")
-        else:
-            lines += textwrap.wrap(
-                ", ".join(kind_names), WIDE - 2, initial_indent="  ", subsequent_indent="  ",
-                break_on_hyphens=False,
-            )  # fmt: skip
+            how = "flockscope list MODEL shows those of a model"
+            lines.append(f"{kind} ({len(kind_names)}): {how}")
+            continue
+        lines.append(f"{kind} ({len(kind_names)})")
+        lines += textwrap.wrap(
+            ", ".join(kind_names), WIDE - 2, initial_indent="  ", subsequent_indent="  ",
+            break_on_hyphens=False,
+        )  # fmt: skip
     return lines
 
 

@@ -59,6 +59,7 @@ class StubFlock:
     loop = None
     individuals = own = redrawn = MappingProxyType({})
     kinds = NO_KINDS
+    differing = ()
 
     def __init__(
         self,
