@@ -331,7 +331,7 @@ class KindTable:
 
     def number(self, name: str, more: tuple[str, ...] = ()) -> int:
         """The number of a kind by its name, or by what the ordinary one may be called. Raises
-        InputError for a kind that there is not; `more` names could be said as well."""
+        InputError for a kind that there is not; `more` names could stand there as well."""
         known = ALIASES.get(name, name) if name not in self.names else name
         if known not in self.names:
             raise unknown("kind", name, (*self.names, *more))
