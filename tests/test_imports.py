@@ -31,6 +31,7 @@ LAZY = {
     ("agents/observables/groups.py", "scipy"),  # 0.1 s, for who counts groups
     ("agents/observables/neighbours.py", "scipy"),  # the same, for layers
     ("agents/observables/anisotropy.py", "scipy"),  # hulls, for the structure of flocks alone
+    ("agents/observables/order.py", "scipy"),  # 0.5 s, for ranks of speeds alone
     ("agents/observables/leadership.py", "scipy"),  # a quantile, for leaders alone
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
     ("agents/state/start.py", "scipy"),  # 0.2 s, for starts with a spacing alone

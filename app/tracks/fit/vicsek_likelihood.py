@@ -20,7 +20,7 @@ import numpy as np
 from agents.catalogue import model as find_model
 from agents.flock import Flock
 from agents.models.declare import checked
-from agents.motion import NOISE
+from agents.flock_loop import NOISE
 from agents.spec import Spec
 from app.tracks.fit.fit_region import (
     ParameterRegion,
