@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Never, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Never, Unpack
 
 import numpy as np
 from pydantic import BaseModel
@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
+from agents.individuals import Distribution
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.kinds import INFORMED, Kind, KindTable, kind_table
 from agents.mesa_import import mesa
@@ -60,7 +61,7 @@ OTHER_WORDS = {word: name for name, one in OPTIONS.items() for word in one.also}
 MOST_DRAWN = 1_000
 """Agents in the picture that a notebook shows of a flock."""
 MOST_THREADS = 1024
-MADE_ANEW = {"_engine", "_policies", "_wind", "context", "passing", "pilots", "processes", "tell"}
+MADE_ANEW = {"_engine", "_kept_start", "_policies", "_wind", "context", "passing", "pilots", "processes", "tell"}
 """Attributes of a flock that follow from the others, hold compiled code or processes, or are of
 whoever runs it."""
 OWN_WORDS = (
@@ -69,6 +70,17 @@ OWN_WORDS = (
     *("kinds", "to", "members"),
 )
 """What `Flock` takes beside options and parameters."""
+
+
+class StartTable(NamedTuple):
+    """What agents have at a random start, by their identities."""
+
+    own: np.ndarray
+    """Own parameters, (N, Q)."""
+    kind: np.ndarray
+    """Numbers of kinds, (N,) or (0,)."""
+    gap: float
+    """How far from what is solid they start at least, length."""
 
 
 class Flock(TickClock, SteeredMotion):
@@ -121,6 +133,7 @@ class Flock(TickClock, SteeredMotion):
     True
     """
 
+    _kept_start: StartTable | None = None
     options: CompleteSpec
     """The run as it began; its size is None unless it was asked for."""
 
@@ -211,6 +224,8 @@ class Flock(TickClock, SteeredMotion):
         self.kinds = kind_table(spec.kinds, spec.to)
         self.catches = Passages.none(self.world.dim)
         self._policies = None
+        if not is_same:
+            self._kept_start = None
         if start is None:
             begin, own = self._random_start()
         else:
@@ -225,7 +240,7 @@ class Flock(TickClock, SteeredMotion):
         arrays = start_arrays(begin, self.model, 1)
         kind = self._kind_at_start(arrays.ids)
         arrays = arrays._replace(own=own, kind=kind, wish=self._no_wishes(len(kind)))
-        if is_same:
+        if is_same and len(self.ids) == len(arrays.ids):
             self._swap_arrays(arrays)
         else:
             self._set_arrays(arrays)
@@ -267,12 +282,29 @@ class Flock(TickClock, SteeredMotion):
             member.leave()
         self.__dict__.pop("space", None)
         self._put_off_model()
-        self._begin(seed, is_same=is_same and len(self.ids) == spec.count)
+        self._begin(seed, is_same=is_same)
 
     def _own_at_start(self, ids: np.ndarray) -> np.ndarray:
         """The own parameters (N, Q) of agents with which the flock begins. Raises InputError."""
         kind = self._kind_at_start(ids)
         return self._own_of(ids, self.parameters, self.individuals, self.individuals, kind)
+
+    def _start_table(self) -> StartTable:
+        """What agents have at a random start by their identities. Raises InputError.
+
+        Where none of it is drawn it is kept for the next seed.
+        """
+        if self._kept_start is not None:
+            return self._kept_start
+        ids = np.arange(1, self.options.count + 1)
+        own, kind = self._own_at_start(ids), self._kind_at_start(ids)
+        table = StartTable(own, kind, self._start_gap(own, kind))
+        distributions = [*self.individuals.values()]
+        for one in self.kinds.kinds:
+            distributions += [d for d in one.parameters.values() if isinstance(d, Distribution)]
+        if not distributions:
+            self._kept_start = table
+        return table
 
     def _kind_at_start(self, ids: np.ndarray) -> np.ndarray:
         """The number of the kind of each agent with which the flock begins, (N,), or (0,).
@@ -291,14 +323,12 @@ class Flock(TickClock, SteeredMotion):
     def _random_start(self) -> tuple[Start, np.ndarray]:
         """A random start, with the speeds that the body begins with, and the agents' own
         parameters. Raises InputError."""
-        run = self.options
-        ids = np.arange(1, run.count + 1)
-        gap = self._start_gap(self._own_at_start(ids), self._kind_at_start(ids))
+        run, table = self.options, self._start_table()
         ordinary = run.count - run.informed
-        begin = random_start(self.world, ordinary, run.informed, self.seed, run.spacing, gap)
-        begin = self._start_kinds_in_boxes(begin, gap)
-        ids = 1 + begin.number
-        own, kind = self._own_at_start(ids), self._kind_at_start(ids)
+        begin = random_start(self.world, ordinary, run.informed, self.seed, run.spacing, table.gap)
+        begin = self._start_kinds_in_boxes(begin, table)
+        own = table.own[begin.number]
+        kind = table.kind[begin.number] if len(table.kind) else table.kind
         with_speeds = bool(begin.speed.any())
         return self._with_start_speeds(begin, with_speeds, own, kind=kind), own
 
@@ -317,9 +347,11 @@ class Flock(TickClock, SteeredMotion):
             np.where(number == len(ends), 0, number) == self.kinds.number(kind)
         )
 
-    def _start_kinds_in_boxes(self, begin: Start, gap: float) -> Start:
+    def _start_kinds_in_boxes(self, begin: Start, table: StartTable) -> Start:
         """The start, with those of a kind that has a box of its own there. Raises InputError."""
-        kind = self._kind_at_start(1 + begin.number)
+        if all(one.start is None for one in self.kinds.kinds):
+            return begin
+        kind = table.kind[begin.number]
         position = begin.position.copy()
         for number, one in enumerate(self.kinds.kinds, 1):
             if one.start is None:
@@ -332,7 +364,7 @@ class Flock(TickClock, SteeredMotion):
                 )
             rows = np.flatnonzero(kind == number)
             ids = 1 + begin.number[rows]
-            position[rows] = spread(self.world, low, high - low, ids, 0.0, self.seed, gap)
+            position[rows] = spread(self.world, low, high - low, ids, 0.0, self.seed, table.gap)
         return replace(begin, position=position)
 
     def _start_from_arrays(
