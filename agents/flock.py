@@ -61,7 +61,10 @@ OTHER_WORDS = {word: name for name, one in OPTIONS.items() for word in one.also}
 MOST_DRAWN = 1_000
 """Agents in the picture that a notebook shows of a flock."""
 MOST_THREADS = 1024
-MADE_ANEW = {"_engine", "_kept_start", "_policies", "_wind", "context", "passing", "pilots", "processes", "tell"}
+MADE_ANEW = {
+    *("_engine", "_kept_start", "_policies", "_wind"),
+    *("context", "passing", "pilots", "processes", "tell"),
+}
 """Attributes of a flock that follow from the others, hold compiled code or processes, or are of
 whoever runs it."""
 OWN_WORDS = (

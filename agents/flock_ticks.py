@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agents.engine.arrays import NEVER, Arrays, EngineStopCondition
-from agents.engine.runner import UNTRACED
+from agents.engine.pairs.pair_runner import PairEngine
+from agents.engine.runner import UNTRACED, SynchronousEngine
+from agents.engine.stored_call import StoredTick
 from agents.flock_loop import FlockLoop
 from agents.observables.consistency import DESIRED, HOLD, stop_when_consistent
 from agents.snapshot import Snapshot
+from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -120,6 +123,11 @@ class FlockTicks(FlockLoop):
     def _fire_due(self) -> None:
         """Let what is due at this tick have its turn."""
 
+    @property
+    def has_events(self) -> bool:
+        """Whether something else may have its turn between ticks."""
+        return False
+
     def _match_members(self) -> None:
         """Let what stands for single agents follow the rows, whose identities may have changed."""
 
@@ -139,6 +147,25 @@ class FlockTicks(FlockLoop):
         if self.kinds.catchers:
             self._came_from = self.ids.copy(), self.position.copy()
         return self.engine.run(self._context_with_wind(ticks), self.tick, ticks, until, trace)
+
+    def store_tick(self, ticks: int) -> StoredTick | None:
+        """One tick's call of the loop, for compiled code that calls it for up to so many ticks.
+
+        None where Python has a part in a tick: where agents act in turn or know of each other by
+        messages, come and go, are flown, go by several models, share a tick among threads or ranks,
+        or run as plain Python. Good as long as the engine and the context are those of now. Who
+        catches whom, events and the count of ticks are left to the caller.
+        """
+        engine = self.engine
+        is_synchronous = type(engine) in (SynchronousEngine, PairEngine)
+        is_plain = self.interpret or DISABLED
+        comes_between = self.world.has_gates or self.has_events or self.is_flown
+        if not is_synchronous or is_plain or comes_between:
+            return None
+        assert isinstance(engine, SynchronousEngine | PairEngine)
+        if engine.parts > 1:
+            return None
+        return engine.store_tick(self._context_with_wind(ticks), self.tick)
 
     def trace(self, ticks: int) -> np.ndarray:
         """Run ticks (>= 0); the positions after each of them, (ticks, N, dim)."""

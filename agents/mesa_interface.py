@@ -421,6 +421,11 @@ class TickClock(mesa.Model):
         due = self._next_event()
         return ticks if due >= self._tick + ticks else max(1, math.floor(due) - self._tick)
 
+    @property
+    def has_events(self) -> bool:
+        """Whether Mesa's part of the flock is there, which may have events."""
+        return not self._is_put_off
+
     def _fire_due(self) -> None:
         """Fire the events of this tick, unless a loop of Mesa's is about to."""
         if self._is_put_off:

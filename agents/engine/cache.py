@@ -309,10 +309,15 @@ def is_at_hand(entry) -> bool:
     return bool(entry.signatures) or is_kept(entry)
 
 
-def compile_to_disk(function):
-    """Compile a function that Python calls, kept on disk under a name made from what it does."""
+def compile_to_disk(function, in_llvm: Path | None = None):
+    """Compile a function that Python calls, kept on disk under a name made from what it does.
+
+    `in_llvm`: a file with LLVM's own words that it reaches, beside those of `IN_LLVM`.
+    """
     compiled_function = entry(function)
     digest = base_digest()
+    if in_llvm is not None:
+        digest.update(in_llvm.read_bytes())
     fingerprint(compiled_function, digest, set())
     keep_on_disk(compiled_function, digest)
     return compiled_function

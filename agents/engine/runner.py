@@ -35,6 +35,7 @@ from agents.engine.arrays import (
 )
 from agents.engine.message_past import MessageDelays
 from agents.engine.noise import ORDERS, uniform_numbers
+from agents.engine.stored_call import StoredTick
 
 # The threads that share a tick, with as little overhead as Python allows.
 
@@ -92,6 +93,8 @@ UNTRACED = np.empty((0, 0, 0))
 SPLIT_FROM = 20_000
 """Agents from which several threads are faster than one on a busy machine too: two take some 0.2 to
 0.5 ms more of a tick, whose phases are calls of Python (`benchmarks/engine/scaling.py`)."""
+SEED_AT = 7
+"""Which argument of a loop the seed is; the tick is the next one."""
 CHUNKS = 4
 """Shares of a sweep per thread: whoever is done early takes one of another thread's."""
 
@@ -170,26 +173,43 @@ class SynchronousEngine(Engine):
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
 
+    def arguments(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED) -> tuple:
+        """What the compiled loop is called with."""
+        return (
+            self.arrays,
+            self.space,
+            self.surroundings,
+            self.grid,
+            self.slots,
+            self.workspaces[work[1]],
+            context,
+            self.seed,
+            tick,
+            ticks,
+            work,
+            until,
+            trace,
+        )
+
+    def whole_ticks(self) -> tuple[int, int, int, int, int]:
+        """What asks the compiled loop for all that belongs to a tick, of all agents."""
+        return ALL_PHASES, 0, 1, 0, len(self.arrays.position)
+
+    def store_tick(self, context: Context, tick: int) -> StoredTick:
+        """The call of one tick, with a workspace in which there is room for all."""
+        n = len(self.arrays.position)
+        if self.workspaces[0].block.shape[1] < n:
+            self.enlarge_workspaces(n)
+        arguments = self.arguments(context, tick, 1, self.whole_ticks())
+        return StoredTick(self.module.advance, arguments, SEED_AT)
+
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop, with a larger workspace if it asks for one."""
-        part = work[1]
         done = 0
         while True:
             more, last_off, bad_row, need = self.called(
                 self.module.advance,
-                self.arrays,
-                self.space,
-                self.surroundings,
-                self.grid,
-                self.slots,
-                self.workspaces[part],
-                context,
-                self.seed,
-                tick + done,
-                ticks - done,
-                work,
-                until,
-                trace[done:],
+                *self.arguments(context, tick + done, ticks - done, work, until, trace[done:]),
             )
             done += more
             until = until._replace(last_off=last_off)
@@ -212,9 +232,8 @@ class SynchronousEngine(Engine):
 
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
         """
-        n = len(self.arrays.position)
         if self.parts == 1 or len(until.numbers):
-            return self.call(context, tick, ticks, (ALL_PHASES, 0, 1, 0, n), until, trace)
+            return self.call(context, tick, ticks, self.whole_ticks(), until, trace)
         for k in range(ticks):
             self.shared_tick(context, tick + k)
             if len(trace):

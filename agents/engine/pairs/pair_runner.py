@@ -19,7 +19,8 @@ from agents.engine.heeding import COLUMNS
 from agents.engine.pairs import tick as pairs
 from agents.engine.pairs.pair_workspace import PairWorkspace, empty_notes
 from agents.engine.pairs.thread_barrier import BAD, STOP
-from agents.engine.runner import UNTRACED, Called, Team, at_once, refuse
+from agents.engine.runner import SEED_AT, UNTRACED, Called, Team, at_once, refuse
+from agents.engine.stored_call import StoredTick
 from agents.engine.vector_lanes import WIDTH
 
 SPLIT_FROM = 10_000
@@ -70,14 +71,13 @@ class PairEngine:
         loop, points = self.module, self.surroundings.most_points
         return empty_notes(loop.ALL_SUMS, loop.PRIVATE, points, self.index, nearest, kinds)
 
-    def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
-        """One call of the compiled loop."""
+    def arguments(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED) -> tuple:
+        """What the compiled loop is called with."""
         part = work[1]
         notes, kinds = self.notes[part], len(context.relations)
         if context.nearest > len(notes.least) or len(notes.relations) != kinds * COLUMNS:
             self.notes[part] = self.empty_notes(max(1, context.nearest), kinds)
-        done, last_off, bad_row = self.called(
-            self.module.advance,
+        return (
             self.arrays,
             self.space,
             self.surroundings,
@@ -92,6 +92,17 @@ class PairEngine:
             self.meeting,
             until,
             trace,
+        )
+
+    def store_tick(self, context: Context, tick: int) -> StoredTick:
+        """The call of one tick."""
+        arguments = self.arguments(context, tick, 1, (pairs.RUN, 0, 1, 0))
+        return StoredTick(self.module.advance, arguments, SEED_AT)
+
+    def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
+        """One call of the compiled loop."""
+        done, last_off, bad_row = self.called(
+            self.module.advance, *self.arguments(context, tick, ticks, work, until, trace)
         )
         if bad_row >= 0:
             refuse(self.arrays, bad_row, tick + done)
