@@ -12,10 +12,11 @@ import numpy as np
 
 from agents.engine.cache import compile_to_disk
 from agents.engine.heeding import edge_of_view
+from agents.engine.noise import cos_sin
 from agents.inspection import field_of_view
 from agents.motion import Motion
 from worlds.compilation import compiled
-from worlds.queries.surroundings import signed_distance
+from worlds.queries.surroundings import set_goal, signed_distance
 
 KINDS = 9.0
 """By which the number of a kind is divided, so that it is below 1."""
@@ -56,141 +57,174 @@ def solid_at(surroundings, position, i, frame, axis, step, reach):
     return clipped(signed_distance(surroundings, x, y, z) / reach)
 
 
-@compile_to_disk
-def view_agents(
-    position,
-    heading,
-    speed,
-    kind,
-    rows,
-    size,
-    images,
-    reach,
-    view,
-    goal,
-    surroundings,
-    near,
-    frame,
-    seen,
-):
-    """Fill `seen` (S, width) with what the agents of rows (S,) see.
+@compiled
+def offset_along(flock, i, j, axis, size, images):
+    """How far the nearest image of row j is from row i along an axis, length."""
+    d = flock.position[j, axis] - flock.position[i, axis]
+    if images[axis]:
+        d -= size[axis] * math.floor(d / size[axis] + 0.5)
+    return d
+
+
+@compiled
+def see_nearest(flock, i, size, images, reach, edge, near, frame):
+    """Write the squares of the distances and the rows of the nearest that row i sees into `near`
+    (k, 2); how many."""
+    dim, k, count = flock.position.shape[1], near.shape[0], 0
+    for j in range(flock.position.shape[0]):
+        if j == i or (flock.kind.shape[0] > 0 and flock.kind[j] < 0.0):
+            continue
+        d2 = ahead = 0.0
+        for axis in range(dim):
+            d = offset_along(flock, i, j, axis, size, images)
+            d2 += d * d
+            ahead += d * frame[0, axis]
+        if d2 > reach * reach or ahead < edge * math.sqrt(d2):
+            continue
+        if count == k and d2 >= near[k - 1, 0]:
+            continue
+        place = count if count < k else k - 1
+        while place > 0 and near[place - 1, 0] > d2:
+            near[place, 0], near[place, 1] = near[place - 1, 0], near[place - 1, 1]
+            place -= 1
+        near[place, 0], near[place, 1] = d2, j
+        count = min(count + 1, k)
+    return count
+
+
+@compiled
+def see_agent(flock, i, size, images, reach, view, surroundings, near, frame, seen):
+    """Fill `seen` (width,) with what the agent of row i sees.
 
     `near` (k, 2) and `frame` (4, 3) are scratch: of the k nearest the squares of the distances and
-    the rows; the axes of an agent's frame, and a vector. `goal`
-    (dim,) or (0,). Those beyond `reach` (length), outside of the field of view (deg) or with a kind
-    below 0 are not seen.
+    the rows; the axes of the agent's frame, and a vector. The goal is where `surroundings` has it.
+    Those beyond `reach` (length), outside of the field of view (deg) or with a kind below 0 are not
+    seen.
     """
-    dim = position.shape[1]
-    k = near.shape[0]
+    dim, k = flock.position.shape[1], near.shape[0]
     away = frame[3]
-    edge = edge_of_view(view)
-    for s in range(rows.shape[0]):
-        i = rows[s]
-        own_frame(heading, i, frame)
-        count = 0
-        for j in range(position.shape[0]):
-            if j == i or (kind.shape[0] > 0 and kind[j] < 0.0):
-                continue
-            d2 = ahead = 0.0
+    own_frame(flock.heading, i, frame)
+    count = see_nearest(flock, i, size, images, reach, edge_of_view(view), near, frame)
+    at = 0
+    for n in range(k):
+        for axis in range(2 * dim + 2):
+            seen[at + axis] = 0.0
+        if n < count:
+            j = int(near[n, 1])
             for axis in range(dim):
-                d = position[j, axis] - position[i, axis]
-                if images[axis]:
-                    d -= size[axis] * math.floor(d / size[axis] + 0.5)
-                d2 += d * d
-                ahead += d * frame[0, axis]
-            if d2 > reach * reach or ahead < edge * math.sqrt(d2):
-                continue
-            if count == k and d2 >= near[k - 1, 0]:
-                continue
-            place = count if count < k else k - 1
-            while place > 0 and near[place - 1, 0] > d2:
-                near[place, 0], near[place, 1] = near[place - 1, 0], near[place - 1, 1]
-                place -= 1
-            near[place, 0], near[place, 1] = d2, j
-            count = min(count + 1, k)
-        at = 0
-        for n in range(k):
-            for axis in range(2 * dim + 2):
-                seen[s, at + axis] = 0.0
-            if n < count:
-                j = int(near[n, 1])
-                for axis in range(dim):
-                    d = position[j, axis] - position[i, axis]
-                    if images[axis]:
-                        d -= size[axis] * math.floor(d / size[axis] + 0.5)
-                    away[axis] = d
-                for row in range(dim):
-                    place = facing = 0.0
-                    for axis in range(dim):
-                        place += away[axis] * frame[row, axis]
-                        facing += heading[j, axis] * frame[row, axis]
-                    seen[s, at + row] = clipped(place / reach)
-                    seen[s, at + dim + row] = clipped(facing)
-                seen[s, at + 2 * dim] = (kind[j] if kind.shape[0] > 0 else 0.0) / KINDS
-                seen[s, at + 2 * dim + 1] = 1.0
-            at += 2 * dim + 2
-        seen[s, at] = clipped(speed[i] / reach)
-        at += 1
-        for row in range(dim):
-            seen[s, at + row] = 0.0
-        if goal.shape[0] > 0:
+                away[axis] = offset_along(flock, i, j, axis, size, images)
             for row in range(dim):
-                place = 0.0
+                place = facing = 0.0
                 for axis in range(dim):
-                    place += (goal[axis] - position[i, axis]) * frame[row, axis]
-                seen[s, at + row] = clipped(place / reach)
-        at += dim
-        seen[s, at] = solid_at(surroundings, position, i, frame, 0, 0.0, reach)
-        at += 1
+                    place += away[axis] * frame[row, axis]
+                    facing += flock.heading[j, axis] * frame[row, axis]
+                seen[at + row] = clipped(place / reach)
+                seen[at + dim + row] = clipped(facing)
+            seen[at + 2 * dim] = (flock.kind[j] if flock.kind.shape[0] > 0 else 0.0) / KINDS
+            seen[at + 2 * dim + 1] = 1.0
+        at += 2 * dim + 2
+    seen[at] = clipped(flock.speed[i] / reach)
+    at += 1
+    for row in range(dim):
+        place = 0.0
+        if surroundings.route.shape[0] > 0:
+            for axis in range(dim):
+                place += (surroundings.goal[0, axis] - flock.position[i, axis]) * frame[row, axis]
+        seen[at + row] = clipped(place / reach)
+    at += dim
+    seen[at] = solid_at(surroundings, flock.position, i, frame, 0, 0.0, reach)
+    at += 1
+    for row in range(dim):
+        for side in range(2):
+            step = 0.5 * reach * (1.0 - 2.0 * side)
+            seen[at] = solid_at(surroundings, flock.position, i, frame, row, step, reach)
+            at += 1
+
+
+def view_width(k: int, dim: int) -> int:
+    """How many numbers an agent sees.
+
+    For each of the k nearest its place over the reach and its heading (dim each), the number of its
+    kind over 9, and 1 where there is one; then the own speed over the reach in a tick, the place of
+    the goal (dim), and the distances to what is solid from the own place and half a reach along
+    each axis both ways, over the reach.
+    """
+    return k * (2 * dim + 2) + 1 + dim + 1 + 2 * dim
+
+
+@compiled
+def wish_of_action(heading, i, action, is_heading, scale, frame, wish):
+    """Write what an action (A,) of the agent of row i wishes into `wish` (3,).
+
+    Where the rule wishes a heading an action is how far to turn to the left, in half turns, and in
+    space how far up, in quarter turns; else it is the wish over `scale`: ahead, to the left, up.
+    Numbers beyond [-1, 1] are cut off. `frame` (4, 3) is scratch.
+    """
+    dim = heading.shape[1]
+    own_frame(heading, i, frame)
+    parts = frame[3]
+    if is_heading:
+        parts[0], parts[1] = cos_sin(math.pi * clipped(action[0]))
+        if dim == 3:
+            along, up = cos_sin(0.5 * math.pi * clipped(action[1]))
+            parts[0], parts[1], parts[2] = along * parts[0], along * parts[1], up
+    else:
+        for axis in range(dim):
+            parts[axis] = scale * clipped(action[axis])
+    wish[2] = 0.0
+    for axis in range(dim):
+        total = 0.0
         for row in range(dim):
-            for side in range(2):
-                step = 0.5 * reach * (1.0 - 2.0 * side)
-                seen[s, at] = solid_at(surroundings, position, i, frame, row, step, reach)
-                at += 1
+            total += parts[row] * frame[row, axis]
+        wish[axis] = total
+
+
+@compile_to_disk
+def view_agents(flock, rows, size, images, reach, view, surroundings, time, near, frame, seen):
+    """Fill `seen` (S, width) with what the agents of rows (S,) see at a time."""
+    set_goal(surroundings, time)
+    for s in range(rows.shape[0]):
+        see_agent(
+            flock, rows[s], size, images, reach, view, surroundings, near, frame, seen[s]
+        )  # fmt: skip
+
+
+@compile_to_disk
+def fill_wishes(heading, rows, actions, is_heading, scale, frame, wishes):
+    """Fill `wishes` (S, 3) with what actions (S, A) of the agents of rows (S,) wish."""
+    for s in range(rows.shape[0]):
+        wish_of_action(heading, rows[s], actions[s], is_heading, scale, frame, wishes[s])
 
 
 class AgentView:
-    """What some agents of a flock see of the k nearest and of the world, in arrays that it keeps.
-
-    `width` is how many numbers each sees: for each of the k nearest its place over the reach and
-    its heading (dim each), the number of its kind over 9, and 1 where there is one; then the own
-    speed over the reach in a tick, the place of the goal (dim), and the distances to what is solid
-    from the own place and half a reach along each axis both ways, over the reach.
-    """
+    """What some agents of a flock see of the k nearest and of the world: see `view_width`."""
 
     def __init__(self, flock: Motion, k: int, agents: int):
         dim = flock.world.dim
-        self.flock, self.reach = flock, flock.reach
-        self.width = k * (2 * dim + 2) + 1 + dim + 1 + 2 * dim
+        self.flock, self.reach, self.width = flock, flock.reach, view_width(k, dim)
         self.near, self.frame = np.zeros((k, 2)), np.zeros((4, 3))
-        self.seen = np.zeros((agents, self.width))
+        self.seen = np.zeros((agents, self.width), np.float32)
         self.size = np.array(flock.world.size, float)
         self.images = np.array(flock.world.images, bool)
         self.view = field_of_view(flock)
 
     def look(self, rows: np.ndarray) -> np.ndarray:
         """What the agents of rows (S,) see, float32 (S, width)."""
-        flock, mission = self.flock, self.flock.world.mission
-        has_goal = mission is not None and mission.goal is not None
-        goal = flock.goal_at(np.array([flock.tick]))[0] if has_goal else np.empty(0)
+        flock = self.flock
         view_agents(
-            flock.position,
-            flock.heading,
-            flock.speed,
-            flock.arrays.kind,
+            flock.arrays,
             np.ascontiguousarray(rows, np.int64),
             self.size,
             self.images,
             self.reach,
             self.view,
-            goal,
             flock.engine.surroundings,
+            flock.tick * flock.dt,
             self.near,
             self.frame,
             self.seen,
         )
-        seen: np.ndarray = self.seen[: len(rows)].astype(np.float32)
-        return seen
+        return self.seen[: len(rows)].copy()
 
 
 def numbers_of_action(flock: Motion) -> int:
@@ -203,19 +237,19 @@ def numbers_of_action(flock: Motion) -> int:
 def wishes_of_actions(
     flock: Motion, rows: np.ndarray, actions: np.ndarray, scale: float
 ) -> np.ndarray:
-    """The wishes (M, dim) of actions (M, A) of the agents of rows, for `Flock.steer`.
-
-    Where the rule wishes a heading an action is how far to turn to the left, in half turns, and in
-    space how far up, in quarter turns; else it is the wish over `scale`: ahead, to the left, up.
-    Numbers beyond [-1, 1] are cut off.
-    """
-    actions = np.clip(actions, -1.0, 1.0)
-    if flock.model.rule.wish != "heading":
-        axes = frames_of(flock.heading[rows])
-        wishes: np.ndarray = scale * np.einsum("ma,mad->md", actions, axes)
-        return wishes
-    quarters = np.array([1.0, 0.5])[: actions.shape[1]]
-    return turned_headings(flock.heading[rows], np.pi * quarters * actions)
+    """The wishes (M, dim) of actions (M, A) of the agents of rows, for `Flock.steer`: see
+    `wish_of_action`."""
+    wishes = np.zeros((len(rows), 3))
+    fill_wishes(
+        flock.heading,
+        np.ascontiguousarray(rows, np.int64),
+        np.ascontiguousarray(actions, float),
+        flock.model.rule.wish == "heading",
+        scale,
+        np.zeros((4, 3)),
+        wishes,
+    )
+    return wishes[:, : flock.world.dim]
 
 
 def turned_headings(headings: np.ndarray, angles: np.ndarray) -> np.ndarray:

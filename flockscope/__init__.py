@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from flockscope._flocks import follow as follow
     from flockscope._learning import env as env
     from flockscope._learning import gym_env as gym_env
+    from flockscope._learning import vector_env as vector_env
     from flockscope._models import MODELS as MODELS
     from flockscope._models import Kind as Kind
     from flockscope._models import Recording as Recording
@@ -82,7 +83,7 @@ _HOMES = {
         *("each", "lognormal", "normal", "one_of", "uniform"),
         *("Kind", "chase", "flee"),
     ),
-    "_learning": ("env", "gym_env"),
+    "_learning": ("env", "gym_env", "vector_env"),
     "_policies": ("Policy", "policy"),
     "_sweeps": ("batch_run", "optimise", "runs_frame", "sensitivity", "sweep"),
     "worlds": (

@@ -11,7 +11,10 @@ from agents.spec import Spec
 from worlds.plug_ins import demand
 
 if TYPE_CHECKING:
+    from gymnasium.vector import AutoresetMode
+
     from app.learning.flock_env import FlockEnv
+    from app.learning.flock_vector_env import FlockVectorEnv
     from app.learning.single_agent_env import SingleAgentEnv
 
 
@@ -57,8 +60,46 @@ def gym_env(run: str | Spec, kind: str, *, ticks: int = 200, **words: Any) -> Si
     demand("gymnasium", "agents that learn", "learn")
     from app.learning.single_agent_env import SingleAgentEnv
 
-    own = {name: words.pop(name) for name in ("k", "reward", "scale") if name in words}
+    own = own_words(words)
     return SingleAgentEnv(spec_of(run, words), kind, ticks=ticks, **own)
+
+
+def vector_env(
+    run: str | Spec,
+    kind: str,
+    number: int,
+    *,
+    ticks: int = 200,
+    autoreset: str | AutoresetMode = "NextStep",
+    **words: Any,
+) -> FlockVectorEnv:
+    """Many flocks as a `VectorEnv` of Gymnasium: one compiled call takes all through a tick.
+
+    Flock i is that of `gym_env` with the seed of the first and i more, to the bit. `number`: 1 to
+    65 536 flocks. `autoreset`: `NextStep`, `SameStep` or `Disabled`, see Gymnasium's
+    `AutoresetMode`. Other options as `env`. Several agents of the kind are a team, see
+    `app.learning.flock_vector_env.FlockVectorEnv`.
+
+    Raises InputError. Needs the extra `learn`.
+
+    >>> from flockscope import Kind, vector_env
+    >>> flocks = vector_env("vem", "robot", 8, kinds=[Kind("robot", 1, steered=True)], agents=20)
+    >>> seen, _ = flocks.reset(seed=1)
+    >>> seen.shape
+    (8, 44)
+    """
+    demand("gymnasium", "agents that learn", "learn")
+    from app.learning.flock_vector_env import FlockVectorEnv
+
+    own = own_words(words)
+    return FlockVectorEnv(
+        spec_of(run, words), number, kind, ticks=ticks, autoreset=autoreset, **own
+    )
+
+
+def own_words(words: dict[str, Any]) -> dict[str, Any]:
+    """Those of the words that are the environment's own, taken out."""
+    return {name: words.pop(name) for name in ("k", "reward", "scale") if name in words}
 
 
 def spec_of(run: str | Spec, words: dict[str, Any]) -> Spec:
@@ -69,4 +110,4 @@ def spec_of(run: str | Spec, words: dict[str, Any]) -> Spec:
     return complete_spec(spec, find_model(spec.model))
 
 
-__all__ = ["env", "gym_env"]
+__all__ = ["env", "gym_env", "vector_env"]

@@ -164,7 +164,8 @@ def test_the_example_of_the_docs_learns(monkeypatch, capsys, tmp_path):
     spec = importlib.util.spec_from_file_location("learn_to_evade", path)
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
-    for name, value in {"TICKS": 20, "GENERATIONS": 2, "SEEDS": (0,), "UNSEEN": (1000,)}.items():
+    few = {"TICKS": 20, "GENERATIONS": 2, "POLICIES": 5, "SEEDS": (0, 1), "UNSEEN": (1000,)}
+    for name, value in few.items():
         monkeypatch.setattr(example, name, value)
     monkeypatch.setattr("sys.argv", ["learn_to_evade.py", "--out", str(tmp_path / "curve.png")])
     example.main()

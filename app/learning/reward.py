@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from agents.observables.neighbours import separation
 
 @dataclass(frozen=True)
 class StepResult:
-    """A flock after a tick, and the agents that are rewarded for it."""
+    """A flock after a tick, and the agents that are rewarded for it by a function of one's own."""
 
     flock: Flock
     ids: np.ndarray
@@ -45,6 +45,20 @@ class StepResult:
         return distance
 
 
+class PlayerTick(NamedTuple):
+    """A player after a tick, as compiled rewards see it."""
+
+    flock: Any
+    """Its flock's `agents.engine.arrays.Arrays`."""
+    surroundings: Any
+    tables: Any
+    """What is known of all flocks, `app.learning.batch_step.BatchTables`."""
+    e: int
+    """The number of its flock."""
+    m: int
+    """Its number among the flock's players."""
+
+
 @dataclass(frozen=True)
 class Reward:
     """What steered agents are to learn."""
@@ -52,5 +66,7 @@ class Reward:
     name: str
     summary: str
     """One sentence for who chooses."""
-    compute: Callable[[StepResult], np.ndarray]
-    """What each gains in a tick, (S,)."""
+    gain: Any
+    """What a player gains in a tick, compiled: `PlayerTick` -> float."""
+    needs_goal: bool = False
+    """Whether it is for worlds with a goal alone."""

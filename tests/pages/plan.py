@@ -19,7 +19,7 @@ NOT_RUN = {
         "needs the file of the experiment: tests/papers/test_adrian2020.py runs it on another"
     ),
     "uv run python docs/learn_to_evade.py --out learning.png": (
-        "takes a minute: tests/test_learning.py runs a generation of it"
+        "takes half a minute: tests/test_learning.py runs two generations of it"
     ),
     "uv run python docs/controller.py": (
         "waits to be asked: tests/test_controllers.py has it steer a run"

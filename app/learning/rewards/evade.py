@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.learning.reward import Reward, StepResult
+from app.learning.reward import Reward
+from worlds.compilation import compiled
 
 LOST = -10.0
 
 
-def compute(result: StepResult) -> np.ndarray:
-    """1, or LOST for whom it is over, (S,)."""
-    return np.where(result.is_over, LOST, 1.0)
+@compiled
+def gain(player):
+    """1, or LOST for whom it is over."""
+    return LOST if player.tables.is_over[player.e, player.m] else 1.0
 
 
-REWARD = Reward("evade", "Stay alive: 1 a tick, -10 for being caught or crashing.", compute)
+REWARD = Reward("evade", "Stay alive: 1 a tick, -10 for being caught or crashing.", gain)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.learning.reward import Reward, StepResult
+from app.learning.reward import Reward
+from worlds.compilation import compiled
 
 CAUGHT, WAITED = 10.0, -0.01
 
 
-def compute(result: StepResult) -> np.ndarray:
-    """CAUGHT for each catch of the tick that has just ended, (S,)."""
-    catches = result.flock.catches
-    is_new = catches.tick == result.flock.tick
-    catchers = catches.gate[is_new]
-    return WAITED + CAUGHT * (catchers[None] == result.ids[:, None]).sum(axis=1)
+@compiled
+def gain(player):
+    """CAUGHT for each catch of the tick that has just ended."""
+    return WAITED + CAUGHT * player.tables.caught[player.e, player.m]
 
 
-REWARD = Reward("hunt", "Catch others: 10 for each, -0.01 a tick.", compute)
+REWARD = Reward("hunt", "Catch others: 10 for each, -0.01 a tick.", gain)

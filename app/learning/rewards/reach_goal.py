@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
-from app.learning.reward import Reward, StepResult
+from app.learning.reward import Reward
+from worlds.compilation import compiled
 
-
-def compute(result: StepResult) -> np.ndarray:
-    """How much nearer the goal one came in the tick, over the reach; 0 for who is gone, (S,)."""
-    flock = result.flock
-    goal = flock.goal_at(np.array([flock.tick]))[0]
-    rows = np.maximum(result.rows, 0)
-    away = goal - flock.position[rows]
-    distance = np.linalg.norm(away, axis=1)
-    towards = (away * flock.heading[rows]).sum(axis=1) / np.where(distance > 0.0, distance, 1.0)
-    return np.where(result.rows >= 0, towards * flock.speed[rows] / flock.reach, 0.0)
+REACH = 0
+"""Its column of `BatchTables.numbers`."""
 
 
-REWARD = Reward("reach-goal", "Go to the goal of the world: the way towards it.", compute)
+@compiled
+def gain(player):
+    """How much nearer the goal one came in the tick, over the reach; 0 for who is gone."""
+    flock, tables, e = player.flock, player.tables, player.e
+    row = tables.rows[e, player.m]
+    if row < 0:
+        return 0.0
+    length2 = towards = 0.0
+    for axis in range(flock.position.shape[1]):
+        d = player.surroundings.goal[0, axis] - flock.position[row, axis]
+        length2 += d * d
+        towards += d * flock.heading[row, axis]
+    if length2 == 0.0:
+        return 0.0
+    return towards / math.sqrt(length2) * flock.speed[row] / tables.numbers[e, REACH]
+
+
+REWARD = Reward(
+    "reach-goal", "Go to the goal of the world: the way towards it.", gain, needs_goal=True
+)
