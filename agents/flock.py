@@ -229,6 +229,7 @@ class Flock(TickClock, SteeredMotion):
         self._policies = None
         if not is_same:
             self._kept_start = None
+        is_drawn = self._kept_start is None
         if start is None:
             begin, own = self._random_start()
         else:
@@ -244,7 +245,7 @@ class Flock(TickClock, SteeredMotion):
         kind = self._kind_at_start(arrays.ids)
         arrays = arrays._replace(own=own, kind=kind, wish=self._no_wishes(len(kind)))
         if is_same and len(self.ids) == len(arrays.ids):
-            self._swap_arrays(arrays)
+            self._swap_arrays(arrays, is_drawn)
         else:
             self._set_arrays(arrays)
         self._begin_gates()

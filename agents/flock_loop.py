@@ -100,13 +100,16 @@ class FlockLoop(FlockState):
         self.context = self._make_context()
         self._make_past()
 
-    def _swap_arrays(self, arrays: Arrays) -> None:
-        """Take arrays of as many agents, which begin the same run with another seed."""
+    def _swap_arrays(self, arrays: Arrays, with_other_numbers: bool) -> None:
+        """Take arrays of as many agents, which begin the same run with another seed.
+
+        `with_other_numbers`: whether agents may have other numbers of their own than before.
+        """
         self.arrays = arrays
         if self._engine is not None:
             assert not isinstance(self._engine, PassEngine)
             self._engine.arrays, self._engine.seed = arrays, self.seed
-        if self.differing:
+        if self.differing and with_other_numbers:
             self._follow_own()
         elif self.options.is_windy:
             self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)

@@ -9,6 +9,7 @@ from agents import Flock, Member
 from agents.catalogue import MODELS
 from agents.engine import noise
 from agents.individuals import lognormal
+from agents.kinds import Kind, chase
 from agents.state.start import FIRST
 from worlds.compilation import DISABLED, plain_python
 from worlds.input_error import InputError
@@ -132,3 +133,28 @@ def test_compiled_code_draws_the_same_random_numbers():
     assert noise.fill_uniform.overloads or DISABLED
     for one, numbers in zip(asked, plain, strict=True):
         assert np.array_equal(noise.uniform_numbers(*one), numbers)
+
+
+def test_a_flock_of_kinds_begins_again_as_a_new_one_whatever_became_of_it():
+    prey = Kind("prey", 6, v0=0.1)
+    sharks = Kind("shark", 2, v0=0.2, to={"prey": chase(2.0, 3.0, catch=0.3)})
+    words = {"agents": 10, "size": 4.0, "kinds": [prey, sharks]}
+    flock = Flock("vem", rng=1, **words)
+    changes = (
+        lambda: None,
+        lambda: flock.set_kind("shark", v0=0.3),
+        lambda: flock.set(eta=0.9),
+        lambda: flock.members[0].remove(),
+        lambda: setattr(flock.members[3], "v0", 0.01),
+        lambda: None,
+    )
+    for seed, change in enumerate(changes, 4):
+        flock.restart(seed)
+        new = Flock("vem", rng=seed, **words)
+        for one in (flock, new):
+            one.run(15)
+        for name in ("position", "heading", "speed", "ids", "kind", "own"):
+            assert np.array_equal(getattr(flock.arrays, name), getattr(new.arrays, name))
+        assert flock.context.reach == new.context.reach
+        change()
+        flock.run(3)

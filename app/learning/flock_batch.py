@@ -229,7 +229,7 @@ class FlockBatch:
                 self._ask_reward(e)
         if self.is_shared:
             self._tell_ticks()
-        tables.playing[which] &= ~tables.is_over[which]
+        tables.playing[tables.is_over] = False
 
     @property
     def has_ended(self) -> np.ndarray:

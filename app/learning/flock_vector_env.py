@@ -18,6 +18,7 @@ from app.learning.reward import StepResult
 from worlds.input_error import InputError, shorten, unknown
 
 MOST_FLOCKS = 65_536
+NOBODY = np.empty(0, int)
 
 
 class FlockVectorEnv(VectorEnv):
@@ -104,7 +105,7 @@ class FlockVectorEnv(VectorEnv):
         if not self._was_reset:
             raise InputError("no flock has begun: reset() comes before the first step()")
         values = self._check_actions(actions)
-        ended = np.flatnonzero(self._have_ended)
+        ended = np.flatnonzero(self._have_ended) if self._have_ended.any() else NOBODY
         if len(ended) and mode is AutoresetMode.DISABLED:
             raise InputError(
                 f"flock {ended[0]} has ended: begin it anew by reset(options={{'reset_mask': ...}})"
@@ -114,8 +115,9 @@ class FlockVectorEnv(VectorEnv):
         gained, over = batch.tables.gained.copy(), batch.tables.is_over.copy()
         terminated = ~batch.tables.playing.any(axis=1)
         truncated = batch.has_ended
-        for flags in (gained, over, terminated, truncated):
-            flags[ended] = 0
+        if len(ended):
+            for flags in (gained, over, terminated, truncated):
+                flags[ended] = 0
         self._have_ended = terminated | truncated
         infos = {"gained": gained, "is_over": over} if self.is_team else {}
         self._restart(ended, None)
