@@ -240,9 +240,10 @@ def test_the_policy_that_the_docs_learn_flies(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(Path(__file__).parents[1] / "docs")
     import learn_to_evade
 
-    weights = np.linspace(-1.0, 1.0, learn_to_evade.make_env().observation_space.shape[0] + 1)
+    width = learn_to_evade.make_flocks(1).single_observation_space.shape[0]
+    weights = np.linspace(-1.0, 1.0, width + 1)
     learn_to_evade.write_policy(weights, tmp_path / "evade.py")
     policy = catalogue.from_file(str(tmp_path / "evade.py"))
     seen = np.random.default_rng(1).uniform(-1, 1, (3, len(weights) - 1))
-    expected = [learn_to_evade.act(weights.round(6), row)[0] for row in seen]
+    expected = learn_to_evade.act(np.tile(weights.round(6), (3, 1)), seen)[:, 0]
     assert np.allclose(policy.act(seen), expected)

@@ -136,9 +136,9 @@ def test_compiled_code_draws_the_same_random_numbers():
 
 
 def test_a_flock_of_kinds_begins_again_as_a_new_one_whatever_became_of_it():
-    prey = Kind("prey", 6, v0=0.1)
-    sharks = Kind("shark", 2, v0=0.2, to={"prey": chase(2.0, 3.0, catch=0.3)})
-    words = {"agents": 10, "size": 4.0, "kinds": [prey, sharks]}
+    fish = Kind("fish", 6, v0=0.1)
+    sharks = Kind("shark", 2, v0=0.2, to={"fish": chase(2.0, 3.0, catch=0.3)})
+    words = {"agents": 10, "size": 4.0, "kinds": [fish, sharks]}
     flock = Flock("vem", rng=1, **words)
     changes = (
         lambda: None,
