@@ -364,6 +364,7 @@ class SimulationThread:
         twin = self.building.flock(asked, stored, interpret=True)
         self.preview = Preview(coming)
         self.run = self.new_run(twin, beside, stored)
+        twin.pilots = ()  # the run itself makes it again, and nobody steers there
         for flock_run in self.run.both:
             flock_run.measures = False
 
@@ -385,8 +386,7 @@ class SimulationThread:
         self.keeping.take(run)
         for flock_run in run.both:
             flock_run.flock.tell = self.tell_once
-        if not flock.interpret:  # a preview is made again by the run itself, where nobody steers
-            flock.pilots = self.pilots
+        flock.pilots = self.pilots
         return run
 
     def tell_once(self, line: str) -> None:
