@@ -23,6 +23,7 @@ from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.models.sources import cite
+from agents.motion.steered_motion import SteeredMotion
 from agents.observables.catalogue import OBSERVABLES
 from agents.option import whole_number
 from agents.recordings.recorder import STATES, Recorder
@@ -45,7 +46,6 @@ from agents.state.start import (
     random_start,
     spread,
 )
-from agents.steered_motion import SteeredMotion
 from agents.strips.strip_engine import checked_ranks
 from worlds.generators import draw_obstacles
 from worlds.input_error import InputError, shorten, unknown

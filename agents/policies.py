@@ -1,7 +1,7 @@
 """A policy: a function of an author's own file that flies the agents of a kind.
 
 It is given what they see, (M, width), and answers what they do, (M, A) in [-1, 1], once a tick:
-see `agents.agent_view`. `agents.policy_process` calls it, in a process of its own.
+see `agents.motion.agent_view`. `agents.policy_process` calls it, in a process of its own.
 """
 
 from __future__ import annotations

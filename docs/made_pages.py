@@ -84,8 +84,8 @@ def write_all(folder: Path, flocks: Path | None) -> None:
 def rewrite_links(text: str, depth: int) -> str:
     """The text of a page `depth` folders below docs/, its links out of there as the site has them.
 
-    >>> rewrite_links("[a](../README.md#start), [b](../SECURITY.md), [c](../agents/motion.py)", 0)
-    '[a](index.rst), [b](_made/security.md), `agents/motion.py`'
+    >>> rewrite_links("[a](../README.md#start), [b](../SECURITY.md), [c](../agents/spec.py)", 0)
+    '[a](index.rst), [b](_made/security.md), `agents/spec.py`'
     """
     up = "../" * depth
 

@@ -26,7 +26,7 @@ from agents.engine.pairs.thread_barrier import STOP
 from agents.engine.runner import NotANumber
 from agents.engine.vector_lanes import WIDTH, exponent, load, mantissa, store, where
 from agents.models.model_calls import ModelCodeError
-from agents.motion import Motion
+from agents.motion.motion import Motion
 from agents.rules.terms.sums import of_pairs
 from flockscope.rules import CONSTANT_SPEED, VEM, Decision, Model, is_neighbour
 from worlds.compilation import compiled

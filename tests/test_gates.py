@@ -16,7 +16,7 @@ from agents.recordings.recorder import Recorder
 from agents.recordings.recording import Recording
 from agents.run_records import fly, follow
 from agents.state.passages import Passages
-from agents.web_program import web_program
+from agents.web.web_program import web_program
 from worlds.checks import problems
 from worlds.input_error import InputError
 from worlds.layout import world as built_in

@@ -19,7 +19,7 @@ from agents.kinds import Kind, chase, flee, replace_kind
 from agents.recordings.recorder import Recorder
 from agents.recordings.recording import Recording
 from agents.spec import Spec
-from agents.web_program import demand_possible
+from agents.web.web_program import demand_possible
 from app.cli.main import app
 from worlds.input_error import InputError
 

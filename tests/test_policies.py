@@ -12,9 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from agents import catalogue, policy_process
-from agents.agent_view import AgentView, wishes_of_actions
 from agents.flock import Flock
 from agents.kinds import Kind
+from agents.motion.agent_view import AgentView, wishes_of_actions
 from agents.policies import POLICIES, Policy
 from agents.spec import Spec
 from app.cli.main import app

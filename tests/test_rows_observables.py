@@ -16,7 +16,7 @@ from agents.kinds import Kind, chase
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.groups import rank_groups
 from agents.observables.of_rows import empty_cells, groups, layers
-from agents.web_program import first_call
+from agents.web.web_program import first_call
 from worlds.compilation import plain_python
 
 COMPILED = {name: one for name, one in OBSERVABLES.items() if one.compiled is not None}

@@ -12,12 +12,20 @@ from hypothesis import strategies as st
 from agents.engine.cells import Space
 from agents.engine.heeding import MOST_KINDS
 from agents.flock import Flock
-from agents.flock_loop import pad_to_space
 from agents.individuals import Distribution, draw_values, lognormal, normal, one_of, uniform
 from agents.kinds import Kind, chase, flee, kind_table
-from agents.web_kinds import FAMILIES, Hunt, OwnDraw, claim_prey, draw_own, note_steps, page_values
-from agents.web_math import FUNCTIONS, page_function
-from agents.web_program import web_program
+from agents.motion.flock_loop import pad_to_space
+from agents.web.web_kinds import (
+    FAMILIES,
+    Hunt,
+    OwnDraw,
+    claim_prey,
+    draw_own,
+    note_steps,
+    page_values,
+)
+from agents.web.web_math import FUNCTIONS, page_function
+from agents.web.web_program import web_program
 from tests.worlds.test_web_assembly import Running
 from worlds.compilation import plain_python
 from worlds.input_error import InputError
@@ -131,8 +139,8 @@ def test_a_page_finds_who_is_caught_as_a_flock_does(seed, dim, closes, hunts_own
 
 
 def test_sliders_are_called_as_the_axes_of_sweeps(monkeypatch):
-    monkeypatch.setattr("agents.web_program.web_measures", lambda _: [])
-    monkeypatch.setattr("agents.web_program.module_of", lambda *_: web_module_of_nothing())
+    monkeypatch.setattr("agents.web.web_program.web_measures", lambda _: [])
+    monkeypatch.setattr("agents.web.web_program.module_of", lambda *_: web_module_of_nothing())
     shark = Kind("shark", 2, v0=uniform(0.04, 0.06), to={"flock": chase(2.0, 1.5, catch=0.1)})
     slow = Kind("slow", 4, v0=0.01, to={"flock": "own"})
     flock = Flock(

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from agents.web_math import FUNCTIONS, page_function
+from agents.web.web_math import FUNCTIONS, page_function
 from tests.worlds.test_web_assembly import Running
 from worlds.web_assembly import SLOT, MemoryImage, web_module
 from worlds.web_binary import imported_functions

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import agents.web_modules
+import agents.web.web_modules
 from agents.flock import Flock
-from agents.web_modules import AT_HAND, FOLDER, PageFunction, module_of
-from agents.web_program import web_program
+from agents.web.web_modules import AT_HAND, FOLDER, PageFunction, module_of
+from agents.web.web_program import web_program
 from worlds.compilation import entry
 
 
@@ -28,14 +28,14 @@ def thrice(values):
 def compiled_modules(tmp_path, monkeypatch):
     """Notes each module that is compiled; nothing is kept at first."""
     made = []
-    make = agents.web_modules.web_module
+    make = agents.web.web_modules.web_module
 
     def web_module(code, own):
         made.append(tuple(code))
         return make(code, own)
 
     monkeypatch.setenv("FLOCKSCOPE_CACHE", str(tmp_path))
-    monkeypatch.setattr(agents.web_modules, "web_module", web_module)
+    monkeypatch.setattr(agents.web.web_modules, "web_module", web_module)
     AT_HAND.clear()
     yield made
     AT_HAND.clear()

@@ -12,7 +12,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.models.declare import Zone
 from agents.models.model import Model
-from agents.web_program import growth, of_slider, sliders, web_program
+from agents.web.web_program import growth, of_slider, sliders, web_program
 from tests.worlds.test_web_assembly import Running
 from worlds.input_error import InputError
 from worlds.web_assembly import MemoryImage, web_module
@@ -108,7 +108,7 @@ def test_a_reach_that_cannot_be_compiled_is_refused_in_a_line(monkeypatch):
 
 @pytest.mark.long
 def test_what_no_browser_computes_alike_is_refused_in_a_line(monkeypatch):
-    monkeypatch.setattr("agents.web_program.KNOWN", {"fmod"})
+    monkeypatch.setattr("agents.web.web_program.KNOWN", {"fmod"})
     with pytest.raises(InputError, match="model 'vem' calls sched_yield: a browser") as caught:
         web_program(Flock("vem", agents=5, rng=1))
     assert "\n" not in str(caught.value)

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from agents.agent_view import see_agent, wish_of_action
 from agents.engine import stored_call
 from agents.engine.cache import compile_to_disk
 from agents.engine.stored_call import call_stored, read_stored, write_word
+from agents.motion.agent_view import see_agent, wish_of_action
 from app.learning.reward import PlayerTick
 from worlds.compilation import compiled
 from worlds.queries.surroundings import set_goal

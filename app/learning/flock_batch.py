@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from agents.agent_view import numbers_of_action, view_width
 from agents.engine.runner import refuse
 from agents.engine.stored_call import FAILED, StoredTick, store_value
 from agents.flock import Flock
 from agents.flock_world import LARGEST_DRAWN
 from agents.inspection import field_of_view
+from agents.motion.agent_view import numbers_of_action, view_width
 from agents.option import whole_number
 from agents.spec import LARGEST_SEED, Spec
 from app.learning.batch_step import (

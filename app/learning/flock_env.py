@@ -22,7 +22,7 @@ class FlockEnv(ParallelEnv):
     An action is a wish in the player's own frame, each number in [-1, 1]. Where the rule wishes a
     heading it is how far to turn to the left, and in space upwards, in half turns; where it wishes
     an acceleration or a velocity it is that over `scale`, ahead, to the left and up. The body keeps
-    to its limits. An observation is that of `agents.agent_view.view_width`. A player is done
+    to its limits. An observation is that of `agents.motion.agent_view.view_width`. A player is done
     (`terminated`) when it was caught or has crashed, and all are (`truncated`) after `ticks`.
 
     Raises InputError for what cannot be, also for an action that is no finite number.

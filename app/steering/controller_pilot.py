@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from agents.agent_view import AgentView, numbers_of_action, wishes_of_actions
 from agents.kinds import KindTable
-from agents.motion import Motion
-from agents.steered_motion import Pilot
+from agents.motion.agent_view import AgentView, numbers_of_action, wishes_of_actions
+from agents.motion.motion import Motion
+from agents.motion.steered_motion import Pilot
 from worlds.input_error import InputError, shorten, unknown
 
 NEAREST = 6

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent_view import frames_of, turned_headings
-from agents.motion import Motion
+from agents.motion.agent_view import frames_of, turned_headings
+from agents.motion.motion import Motion
 from worlds.input_error import InputError
 
 SILENCE = 1.0

@@ -220,7 +220,7 @@ class Kernel {
     return new Float64Array(this.memory.buffer, this.manifest.answer, 1)[0];
   }
 
-  // What the flock draws by itself: see agents/web_draws.py.
+  // What the flock draws by itself: see agents/web/web_draws.py.
   draw(name) {
     return this.compute(name, this.manifest.calls[name]);
   }

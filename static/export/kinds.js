@@ -1,7 +1,7 @@
 // Agents that differ: numbers of their own, kinds, relations between them, and who is caught, as agents/individuals.py,
-// agents/kinds.py and agents/hunting_motion.py have them. Only pages of such flocks have this.
+// agents/kinds.py and agents/motion/hunting_motion.py have them. Only pages of such flocks have this.
 class KindKernel extends Kernel {
-  // As agents/web_kinds.py and agents/engine/heeding.py count them.
+  // As agents/web/web_kinds.py and agents/engine/heeding.py count them.
   static SAME = 0;
   static UNIFORM = 3;
   static EACH = 5;

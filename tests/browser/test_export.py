@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from agents.web_program import web_program
+from agents.web.web_program import web_program
 from app.viewer.lab.flock_page import FOLDER, PageWords, flock_page, page_files
 from tests.viewer.waiting import until
 from tests.worlds.test_web_assembly import Running

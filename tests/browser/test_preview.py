@@ -6,7 +6,7 @@ from functools import partial
 
 import pytest
 
-from agents.motion import Motion
+from agents.motion.motion import Motion
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation

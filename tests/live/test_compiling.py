@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from cli.calling import call
 
-from agents.motion import Motion
+from agents.motion.motion import Motion
 from app.live.laboratory.lab_file import example
 from app.live.operating.flock_driver import COMPILING, FlockDriver
 from app.viewer.live.panels.state_panel import banner_of

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from agents.agent_view import AgentView, wishes_of_actions
 from agents.flock import Flock
+from agents.motion.agent_view import AgentView, wishes_of_actions
 
 
 class LonePlayer:

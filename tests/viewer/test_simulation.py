@@ -13,7 +13,7 @@ import pytest
 from agents.flock import Flock
 from agents.individuals import each, normal
 from agents.kinds import Kind, chase
-from agents.web_program import web_program
+from agents.web.web_program import web_program
 from app.studies.workers.kernels import single_agent_spec
 from app.viewer.lab.panels.inspector import facts
 from app.viewer.lab.panels.setup import SetupPanel

@@ -15,7 +15,7 @@ from functools import cache
 from typing import Any
 
 from agents.flock import Flock
-from agents.web_program import demand_possible, zones
+from agents.web.web_program import demand_possible, zones
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import ready_for
 from app.package_files import STATIC

@@ -19,7 +19,7 @@ from agents.catalogue import cars_for_rule
 from agents.engine.arrays import Arrays
 from agents.models.declare import checked
 from agents.models.model import Model
-from agents.motion import Motion
+from agents.motion.motion import Motion
 from agents.state.agent_rows import start_arrays
 from agents.state.start import Start
 from app.live.control.pose import Companion, NoFreeSpace, Pose, Sighting

@@ -19,8 +19,8 @@ import numpy as np
 
 from agents.catalogue import model as find_model
 from agents.flock import Flock
-from agents.flock_loop import NOISE
 from agents.models.declare import checked
+from agents.motion.flock_loop import NOISE
 from agents.spec import Spec
 from app.tracks.fit.fit_region import (
     ParameterRegion,

@@ -97,7 +97,7 @@ class PlayedFlock(Flock):
         return ""
 
     def snapshot(self, copy: bool = True, signals: bool = False) -> Snapshot:
-        """The individuals frozen as they are now; see `agents.motion.Motion.snapshot`."""
+        """The individuals frozen as they are now; see `agents.motion.motion.Motion.snapshot`."""
         arrays = Arrays._make(map(np.array, self.arrays)) if copy else self.arrays
         seen = np.ones(len(self.ids), bool) if self.seen is None else self.seen
         return TracksSnapshot(

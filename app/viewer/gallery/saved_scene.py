@@ -20,7 +20,7 @@ from agents.individuals import Distribution, split_individuals
 from agents.kinds import ALIASES, ALL, Kind, Relation, complete_kinds, kind_table
 from agents.models.declare import checked
 from agents.models.model import Model
-from agents.motion import demand_kinds
+from agents.motion.motion import demand_kinds
 from agents.observables.of_agents import own_name
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small

@@ -28,7 +28,7 @@ from agents.catalogue import from_file
 from agents.flock import Flock
 from agents.kinds import NO_KINDS, KindTable
 from agents.spec import CompleteSpec, Spec
-from agents.web_program import WebProgram, sliders, web_program
+from agents.web.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.gallery.scene_steps import SceneStep, demand_in_page

@@ -17,10 +17,10 @@ import viser
 
 from agents.catalogue import MODELS, PLAYED
 from agents.flock import Flock
+from agents.motion.steered_motion import Pilot
 from agents.observables.catalogue import default_charts
 from agents.observables.of_agents import measurable
 from agents.spec import CompleteSpec, Spec
-from agents.steered_motion import Pilot
 from app.front.controls import set_value
 from app.front.notices import Notices
 from app.front.origin import AllowedHost, local_address

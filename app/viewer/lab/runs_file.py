@@ -23,7 +23,7 @@ from agents.flock_world import find_world, is_built_in
 from agents.individuals import Distribution, split_individuals
 from agents.kinds import as_kinds, kind_table
 from agents.models.declare import checked
-from agents.motion import demand_kinds
+from agents.motion.motion import demand_kinds
 from agents.observables.catalogue import is_observable
 from agents.spec import CompleteSpec, relations, values_of, values_of_kinds
 from app.results_folder import demand_runs

@@ -23,9 +23,9 @@ from agents.flock import Flock
 from agents.individuals import Distribution, moved, normal
 from agents.kinds import Kind, KindTable, replace_kind
 from agents.models.rule_file import describe_fault
+from agents.motion.steered_motion import Pilot
 from agents.policies import Policy
 from agents.spec import CompleteSpec, Spec
-from agents.steered_motion import Pilot
 from app.steering.hand_pilot import HandPilot
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense

@@ -21,7 +21,7 @@ from agents.flock import Flock
 from agents.kind_models import kind_models, own_columns, shared_numbers
 from agents.kinds import complete_kinds, replace_kind
 from agents.models.declare import checked
-from agents.motion import demand_kinds
+from agents.motion.motion import demand_kinds
 from agents.recordings.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec

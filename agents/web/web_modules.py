@@ -27,7 +27,7 @@ from agents.engine.cache import (
     tell_unwritable,
     write_checked,
 )
-from agents.web_math import FUNCTIONS, page_function
+from agents.web.web_math import FUNCTIONS, page_function
 from worlds.compilation import compiled
 from worlds.input_error import InputError
 from worlds.web_assembly import LinkedCode, linked_code, web_module

@@ -11,7 +11,7 @@ from agents.engine.arrays import NEVER, Arrays, EngineStopCondition
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import UNTRACED, SynchronousEngine
 from agents.engine.stored_call import StoredTick
-from agents.flock_loop import FlockLoop
+from agents.motion.flock_loop import FlockLoop
 from agents.observables.consistency import DESIRED, HOLD, stop_when_consistent
 from agents.snapshot import Snapshot
 from worlds.compilation import DISABLED

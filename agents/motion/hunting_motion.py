@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.engine.heeding import CAUGHT
-from agents.gated_motion import GatedMotion
 from agents.kinds import Relation
+from agents.motion.gated_motion import GatedMotion
 from agents.observables.neighbours import separation, tree
 from agents.state.agent_rows import select_rows
 from agents.state.start import free_positions, random_headings

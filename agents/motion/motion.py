@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from agents.engine.pass_engine import PassEngine
-from agents.flock_ticks import FlockTicks
 from agents.individuals import BY_HAND, Distribution, draw_values, normal, split_individuals
 from agents.kind_models import demand_kind_models, shared_numbers
 from agents.kinds import NO_KINDS, KindTable
 from agents.models.declare import NumberParameter, Parameters, checked, describe
 from agents.models.model import Model
+from agents.motion.flock_ticks import FlockTicks
 from agents.spec import Options
 from agents.strips.strip_engine import StripEngine
 from worlds.input_error import InputError

@@ -14,7 +14,7 @@ from agents.engine.cache import compile_to_disk
 from agents.engine.heeding import edge_of_view
 from agents.engine.noise import cos_sin
 from agents.inspection import field_of_view
-from agents.motion import Motion
+from agents.motion.motion import Motion
 from worlds.compilation import compiled
 from worlds.queries.surroundings import set_goal, signed_distance
 

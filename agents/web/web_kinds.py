@@ -1,8 +1,9 @@
 """Agents that differ, in a page: their own numbers, their kinds, and who is caught.
 
-What is drawn is that of `agents.individuals`, and who is caught that of `agents.hunting_motion`:
-the same from the same seed. The page's script (`static/export/kinds.js`) keeps what numbers are
-drawn from, which sliders change, and does with the caught what their relation says.
+What is drawn is that of `agents.individuals`, and who is caught that of
+`agents.motion.hunting_motion`: the same from the same seed. The page's script
+(`static/export/kinds.js`) keeps what numbers are drawn from, which sliders change, and does with
+the caught what their relation says.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from agents.kinds import ORDINARY
 from agents.models.declare import NumberParameter, declared
 from agents.models.slider_range import round_up
 from agents.observables.of_rows import is_active, nearest_image
-from agents.web_modules import PageFunction, with_callees
+from agents.web.web_modules import PageFunction, with_callees
 from worlds.compilation import compiled, entry
 from worlds.input_error import InputError
 
@@ -341,7 +342,7 @@ def functions_of_rows(
     """What a page computes of agents of which each has numbers of its own: functions by what they
     give, and the paths of their arguments.
 
-    `of_parameters`: plain functions that starts need, see `agents.web_draws.of_parameters`.
+    `of_parameters`: plain functions that starts need, see `agents.web.web_draws.of_parameters`.
     """
     own_of_row = flock.loop.own_of_row
     rule = flock.model.rule

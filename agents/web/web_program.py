@@ -27,7 +27,7 @@ from agents.observables.of_rows import NOT_ASKED, empty_cells, groups, layers
 from agents.spec import CompleteSpec
 from agents.state.start import TRIES, free_positions
 from agents.strips.strip_engine import StripEngine
-from agents.web_draws import (
+from agents.web.web_draws import (
     DRAWS,
     can_begin_anew,
     draws,
@@ -37,7 +37,7 @@ from agents.web_draws import (
     start_words,
     wind_task,
 )
-from agents.web_kinds import (
+from agents.web.web_kinds import (
     demand_kinds_in_page,
     farthest_parameters,
     functions_of_rows,
@@ -46,7 +46,7 @@ from agents.web_kinds import (
     own_sliders,
     page_values,
 )
-from agents.web_modules import PageFunction, module_of, with_callees
+from agents.web.web_modules import PageFunction, module_of, with_callees
 from worlds.compilation import entry
 from worlds.input_error import InputError
 from worlds.queries.survey import survey_world
@@ -64,8 +64,8 @@ KNOWN = {
     "sched_yield", "fmod", "expm1", "log1p", "log2", "log10", "cbrt", "sinh", "cosh", "tanh",
     "asinh", "acosh", "atanh",
 }  # fmt: skip
-"""Functions that a page has for the loop beside those of `agents.web_math`: JavaScript's `Math` has
-most, with other last bits in other browsers. It has `round` too, which is another one."""
+"""Functions that a page has for the loop beside those of `agents.web.web_math`: JavaScript's `Math`
+has most, with other last bits in other browsers. It has `round` too, which is another one."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from agents.engine.noise import BEYOND, uniform_numbers
 from agents.kind_models import evaluate_parameters
 from agents.models.declare import Parameters
 from agents.models.model import Model
-from agents.motion import Motion
+from agents.motion.motion import Motion
 from agents.observables.neighbours import separation
 from agents.state.agent_rows import (
     demand_memory_for,

@@ -22,7 +22,7 @@ from agents.flock_world import world_of_any_seed
 from agents.models.declare import NumberParameter, declared
 from agents.observables.of_rows import squared_distance
 from agents.state.start import FIRST, SPEED, goal_heading, start_gap
-from agents.web_kinds import as_javascript, farthest_parameters
+from agents.web.web_kinds import as_javascript, farthest_parameters
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import signed_distance
 

@@ -6,9 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
-from agents.agent_view import AgentView, numbers_of_action, wishes_of_actions
-from agents.hunting_motion import HuntingMotion
-from agents.motion import Motion
+from agents.motion.agent_view import AgentView, numbers_of_action, wishes_of_actions
+from agents.motion.hunting_motion import HuntingMotion
+from agents.motion.motion import Motion
 from agents.policies import Policy, known_policy
 from agents.policy_process import PolicyError, process_of
 from worlds.input_error import InputError, shorten
