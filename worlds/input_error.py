@@ -59,11 +59,14 @@ def unknown(
     "unknown model 'hwven': did you mean 'hwvem'? (known: vem, hwvem)"
     >>> str(unknown("source", "vicon", ["emulated cars"]))
     "unknown source 'vicon' (known: emulated cars)"
+    >>> str(unknown("kind", "robot", []))
+    "unknown kind 'robot': there are none"
     """
     known = list(known)
     location = f" ({origin})" if origin else ""
     hint = suggestion(name, [*known, *others])
-    return InputError(f"unknown {kind} {shorten(name)}{hint} (known: {', '.join(known)}){location}")
+    names = f" (known: {', '.join(known)})" if known else "" if hint else ": there are none"
+    return InputError(f"unknown {kind} {shorten(name)}{hint}{names}{location}")
 
 
 def suggestion(name: object, known: Iterable[str]) -> str:
