@@ -92,6 +92,7 @@ class StubFlock:
             body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
             nearest=lambda _: 0,
             columns=(),
+            individual=(),
             tells=(),
             signals=(),
         )
