@@ -13,7 +13,6 @@ import pytest
 from agents.flock import Flock
 from agents.individuals import each, normal
 from agents.kinds import Kind, chase
-from agents.web.web_program import web_program
 from app.studies.workers.kernels import single_agent_spec
 from app.viewer.lab.panels.inspector import facts
 from app.viewer.lab.panels.setup import SetupPanel
@@ -452,10 +451,7 @@ def test_each_kind_is_measured_by_itself_when_it_is_watched(hunt):
     assert values["kind-distance"] > 0.0
 
 
-def test_a_page_of_its_own_and_another_model_have_no_kinds(hunt):
-    (flock,) = hunt.flocks().result(60)
-    with pytest.raises(InputError, match=r"there are kinds of agents \(flock, shark\): in a page"):
-        web_program(flock)
+def test_another_model_does_not_take_over_kinds(hunt):
     said = SetupPanel.dropped_differences(hunt.state, (preset_spec("couzin"), None))
     assert said == "Not taken over into the new run: kind shark"
     assert SetupPanel.dropped_differences(hunt.state, hunt.state.current_specs()) == ""
