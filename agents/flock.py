@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Never, Unpack
+from typing import TYPE_CHECKING, Any, Never, Unpack
 
 import numpy as np
 from pydantic import BaseModel
@@ -15,7 +15,6 @@ from pydantic import BaseModel
 from agents import catalogue
 from agents.engine.noise import compile_draws
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
-from agents.individuals import Distribution
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.kinds import INFORMED, Kind, KindTable, kind_table
 from agents.mesa_import import mesa
@@ -23,7 +22,7 @@ from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.models.sources import cite
-from agents.motion.steered_motion import SteeredMotion
+from agents.motion.flock_start import FlockStart
 from agents.observables.catalogue import OBSERVABLES
 from agents.option import whole_number
 from agents.recordings.recorder import STATES, Recorder
@@ -39,12 +38,8 @@ from agents.state.agent_rows import (
 )
 from agents.state.passages import Passages
 from agents.state.start import (
-    Start,
     free_positions,
-    given_start,
     random_headings,
-    random_start,
-    spread,
 )
 from agents.strips.strip_engine import checked_ranks
 from worlds.generators import draw_obstacles
@@ -75,18 +70,7 @@ OWN_WORDS = (
 """What `Flock` takes beside options and parameters."""
 
 
-class StartTable(NamedTuple):
-    """What agents have at a random start, by their identities."""
-
-    own: np.ndarray
-    """Own parameters, (N, Q)."""
-    kind: np.ndarray
-    """Numbers of kinds, (N,) or (0,)."""
-    gap: float
-    """How far from what is solid they start at least, length."""
-
-
-class Flock(TickClock, SteeredMotion):
+class Flock(TickClock, FlockStart):
     """A flock of one model in one world.
 
     Parameters
@@ -135,10 +119,6 @@ class Flock(TickClock, SteeredMotion):
     >>> flock.observe("consistency") > 0.99
     True
     """
-
-    _kept_start: StartTable | None = None
-    options: CompleteSpec
-    """The run as it began; its size is None unless it was asked for."""
 
     def __init__(
         self,
@@ -288,54 +268,6 @@ class Flock(TickClock, SteeredMotion):
         self._put_off_model()
         self._begin(seed, is_same=is_same)
 
-    def _own_at_start(self, ids: np.ndarray) -> np.ndarray:
-        """The own parameters (N, Q) of agents with which the flock begins. Raises InputError."""
-        kind = self._kind_at_start(ids)
-        return self._own_of(ids, self.parameters, self.individuals, self.individuals, kind)
-
-    def _start_table(self) -> StartTable:
-        """What agents have at a random start by their identities. Raises InputError.
-
-        Where none of it is drawn it is kept for the next seed.
-        """
-        if self._kept_start is not None:
-            return self._kept_start
-        ids = np.arange(1, self.options.count + 1)
-        own, kind = self._own_at_start(ids), self._kind_at_start(ids)
-        table = StartTable(own, kind, self._start_gap(own, kind))
-        distributions = [*self.individuals.values()]
-        for one in self.kinds.kinds:
-            distributions += [d for d in one.parameters.values() if isinstance(d, Distribution)]
-        if not distributions:
-            self._kept_start = table
-        return table
-
-    def _kind_at_start(self, ids: np.ndarray) -> np.ndarray:
-        """The number of the kind of each agent with which the flock begins, (N,), or (0,).
-
-        The agents of kinds have the last identities. Raises InputError for more than there are.
-        """
-        kinds = self.kinds.kinds
-        if not kinds:
-            return np.empty(0)
-        numbers = np.repeat(np.arange(len(kinds)) + 1.0, [kind.agents for kind in kinds])
-        if len(numbers) > len(ids):
-            raise InputError(f"kinds have {len(numbers)} agents, and the flock has {len(ids)}")
-        kind: np.ndarray = np.append(np.zeros(len(ids) - len(numbers)), numbers)[ids - 1]
-        return kind
-
-    def _random_start(self) -> tuple[Start, np.ndarray]:
-        """A random start, with the speeds that the body begins with, and the agents' own
-        parameters. Raises InputError."""
-        run, table = self.options, self._start_table()
-        ordinary = run.count - run.informed
-        begin = random_start(self.world, ordinary, run.informed, self.seed, run.spacing, table.gap)
-        begin = self._start_kinds_in_boxes(begin, table)
-        own = table.own[begin.number]
-        kind = table.kind[begin.number] if len(table.kind) else table.kind
-        with_speeds = bool(begin.speed.any())
-        return self._with_start_speeds(begin, with_speeds, own, kind=kind), own
-
     def catches_of(self, kind: str) -> Passages:
         """Those of a kind who were caught; not known of information agents. Raises InputError.
 
@@ -350,39 +282,6 @@ class Flock(TickClock, SteeredMotion):
         return self.catches.select(
             np.where(number == len(ends), 0, number) == self.kinds.number(kind)
         )
-
-    def _start_kinds_in_boxes(self, begin: Start, table: StartTable) -> Start:
-        """The start, with those of a kind that has a box of its own there. Raises InputError."""
-        if all(one.start is None for one in self.kinds.kinds):
-            return begin
-        kind = table.kind[begin.number]
-        position = begin.position.copy()
-        for number, one in enumerate(self.kinds.kinds, 1):
-            if one.start is None:
-                continue
-            low, high = np.array(one.start)
-            if len(low) != self.world.dim:
-                raise InputError(
-                    f"start of kind {one.name} has {len(low)} coordinates: the world has "
-                    f"{self.world.dim}"
-                )
-            rows = np.flatnonzero(kind == number)
-            ids = 1 + begin.number[rows]
-            position[rows] = spread(self.world, low, high - low, ids, 0.0, self.seed, table.gap)
-        return replace(begin, position=position)
-
-    def _start_from_arrays(
-        self, start: Mapping[str, Any], first_id: int | None = None
-    ) -> tuple[Start, np.ndarray]:
-        """A start from arrays; without speeds with those that the body begins with; and the agents'
-        own parameters. `first_id`: of agents that join. Raises InputError."""
-        begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
-        ids, kind = (first_id or 1) + begin.number, None
-        if first_id is None:
-            own, kind = self._own_at_start(ids), self._kind_at_start(ids)
-        else:
-            own = self._own_of_new(ids)
-        return self._with_start_speeds(begin, "speed" in start, own, first_id or 1, kind), own
 
     def _has_parameter(self, name: str) -> bool:
         """Whether a name that nothing else has is that of a parameter."""
