@@ -69,7 +69,7 @@ LESSONS = {
     "beat-the-paper": Scene((3,), 0.3),
     "braking-drones": Scene((400,), 7.0, tail=60),
     "delay-breaks-flocks": Scene((900,), 2.0, tail=150),
-    "fast-and-slow": Scene((1200,), 0.6),
+    "fast-and-slow": Scene((700,), 1.0),
     "field-of-view": Scene((1000,), 0.8, window=(24, 16)),
     "lanes-of-pedestrians": Scene((2000,), 1.3),
     "leaders-who-disagree": Scene((900,), 0.5, tail=12),

@@ -9,13 +9,17 @@ import threading
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from agents.flock import Flock
 from app.front.controls import set_value
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_collection import find_lesson
 from app.viewer.gallery.scene_steps import lesson_key, step_spec
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.step_progress import LessonLead
+from app.viewer.scene.cameras.viewpoints import MOST
 from tests.classroom.test_lesson_steps import mean_measured, scene_text
 from tests.viewer.waiting import COMPILED, until
 
@@ -399,3 +403,31 @@ def test_a_scene_as_fast_as_it_goes_opens_in_a_laboratory_that_runs(laboratory):
     laboratory.open(replace(laboratory.lesson.scene, title="Again, and fast"))
     until(lambda: laboratory.lesson.scene.title == "Again, and fast", 30)
     until(lambda: math.isinf(laboratory.simulation.state.speed), 30)
+
+
+def test_a_lesson_opens_on_the_charts_that_its_file_names():
+    scene = find_lesson("fast-and-slow")
+    assert "fast-in-front" in scene.plots  # as observables are called: the charts write it apart
+    made = Laboratory(opened=scene, port=0, running=False)
+    try:
+        plotted = [(name,) for name in scene.plots]
+        until(lambda: [one.names for one in made.plots.charts[:2]] == plotted, 30, "charts")
+        assert made.now().plots[:2] == ("fast in front", "polarisation")
+        made.plot_first("angular-momentum")
+        first = made.plots.charts[0]
+        until(lambda: first.names == ("angular-momentum",), COMPILED, "the chart")
+    finally:
+        made.close()
+
+
+def test_the_fast_and_the_slow_stay_in_the_picture():
+    """The camera shows a flock that is spread over `MOST` sides of its world."""
+    scene = find_lesson("fast-and-slow")
+    step = next(step for step in scene.steps if step.ask)
+    flock = Flock(step_spec(scene.spec, step))
+    widest = 0.0
+    while flock.tick < step.ticks:
+        flock.run(50)
+        low, high = np.quantile(flock.position, (0.02, 0.98), axis=0)
+        widest = max(widest, float(np.max(high - low)))
+    assert MOST - 2.0 < widest / max(flock.world.size) < MOST - 0.5

@@ -56,6 +56,7 @@ from app.viewer.lab.sweeps.laboratory_sweeps import SweepRequestHandler, Sweeps,
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.kept_runs import KeptRuns
 from app.viewer.measuring.observable_curves import chart_title
+from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.differences import DifferencesPanel
 from app.viewer.panels.kinds import KindsPanel
 from app.viewer.panels.monitors import Monitors
@@ -508,7 +509,10 @@ class Laboratory:
             if self.shown_scene is None
             else self.shown_scene.spec.model
         ]
-        self.plots.asked = model, (observable,)
+        pending = self.plots.asked  # of a lesson that opens: it is shown with its first step
+        others = pending[1] if pending is not None and pending[0] is model else ()
+        names = map(observable_words, (observable, *others))
+        self.plots.asked = model, tuple(dict.fromkeys(names))
 
     def now(self, title: str = "") -> SavedScene:
         """The run, with the parameters as they are now, and the view, as a scene. Raises InputError

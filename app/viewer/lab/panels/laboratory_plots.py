@@ -433,8 +433,9 @@ class LaboratoryPlots:
                 set_value(chart.choice, chart_title(names))
         if self.asked is not None and self.asked[0] is model and not is_coming:
             for chart, name in zip(self.charts, self.asked[1], strict=False):
-                if name in self.choices:
-                    self.show_in(chart, name)
+                title = observable_words(name)  # files written by hand have the observable's name
+                if title in self.choices:
+                    self.show_in(chart, title)
             self.asked = None
 
     def show_in(self, chart: ChosenChart, name: str) -> None:
