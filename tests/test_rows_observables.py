@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,8 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents.flock import Flock
+from agents.flock import Flock, measure_observable
+from agents.individuals import uniform
 from agents.kinds import Kind, chase
+from agents.observables import of_rows, order
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.groups import rank_groups
 from agents.observables.of_rows import empty_cells, groups, layers
@@ -29,6 +32,8 @@ FLOCKS = {
     "along walls": ("pedestrian", {"agents": 20}),
     "with crashes": ("thesis", {"agents": 30}),
     "with hunters": ("vem", {"agents": 40, "kinds": [HUNTERS]}),
+    "of two kinds": ("vem", {"agents": 30, "kinds": [Kind("slow", 20, v0=0.01)]}),
+    "with speeds of their own": ("couzin", {"agents": 30, "dim": 2, "s": uniform(2.0, 4.0)}),
     "alone": ("vem", {"agents": 1}),
     "two": ("vem", {"agents": 2}),
 }
@@ -47,9 +52,9 @@ def loop_arguments(flock: Flock) -> dict[str, Any]:
     }
 
 
-def as_a_page_has_it(flock: Flock, name: str) -> float:
+def as_a_page_has_it(flock: Flock, name: str, **changes: float) -> float:
     """The value of an observable by its loop over rows, as plain Python."""
-    given = loop_arguments(flock)
+    given = loop_arguments(flock) | changes
     compute = COMPILED[name].compiled.py_func
     with plain_python():
         return compute(*(given[name] for name in inspect.signature(compute).parameters))
@@ -67,6 +72,73 @@ def test_a_loop_over_rows_gives_what_numpy_gives(case):
                     expected, rel=1e-9, abs=1e-9, nan_ok=True
                 ), name
         flock.run(15)
+
+
+def test_a_loop_measures_agents_of_a_kind_alone_where_the_others_count_as_caught():
+    """As a page does: see `measure` of static/export/kinds.js."""
+    model, options = FLOCKS["with hunters"]
+    flock = Flock(model, rng=4, **options)
+    flock.run(60)
+    caught = {name: float(len(flock.catches_of(name))) for name in flock.kinds.names}
+    assert caught["flock"] > 0 == caught["hunter"]
+    before = flock.arrays.kind.copy()
+    for kind, count in caught.items():
+        for name, observable in COMPILED.items():
+            if not observable.applies(flock):
+                continue
+            expected = measure_observable(flock, name, kind)
+            flock.arrays.kind[before != flock.kinds.number(kind)] = -1.0
+            value = as_a_page_has_it(flock, name, caught=count)
+            flock.arrays.kind[:] = before
+            assert value == pytest.approx(expected, rel=1e-9, abs=1e-9, nan_ok=True), name
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(2, 3), st.integers(0, 30), st.booleans())
+def test_ranks_and_kinds_are_those_of_numpy_with_ties_and_who_is_out(seed, dim, agents, closes):
+    """Some are as fast as others, some stand still or crashed, some were caught."""
+    rng = np.random.default_rng(seed)
+    size = rng.uniform(1.0, 5.0, dim)
+    images = np.full(dim, closes)
+    position = rng.uniform(0.0, 1.0, (agents, dim)) * size
+    heading = rng.normal(size=(agents, dim))
+    heading /= np.linalg.norm(heading, axis=1, keepdims=True)
+    speed = rng.choice([0.0, 1.0, 1.5, 2.0], agents)
+    kind = rng.choice([-1.0, 0.0, 1.0, 2.0], agents, p=[0.2, 0.4, 0.3, 0.1])
+    crash_record = np.where(rng.random((agents, 1)) < 0.2, 1.0, -1.0)
+    flock = SimpleNamespace(
+        position=position, heading=heading, speed=speed, kind=kind, crash_record=crash_record
+    )
+    padded = np.ones(3), np.zeros(3, int)
+    padded[0][:dim], padded[1][:dim] = size, images
+    space, cells = SimpleNamespace(size=padded[0], images=padded[1]), empty_cells(agents)
+    reach = float(rng.uniform(0.1, 1.5))
+    active = (crash_record[:, 0] < 0.0) & (kind >= 0.0)
+    there, of = position[active], kind[active]
+    distance = np.array([[apart(a, b, size, images) for b in there] for a in there])
+    differs = of[:, None] != of
+    near = (distance <= reach) & ~np.eye(len(there), dtype=bool)
+    has_two = len(set(of)) > 1
+    nearest = [row[other].min() for row, other in zip(distance, differs, strict=True) if has_two]
+    expected = {
+        of_rows.kind_distance: np.mean(nearest) if has_two else math.nan,
+        of_rows.kind_mixing: differs[near].mean() if has_two and near.any() else math.nan,
+        of_rows.direction: order.direction(heading[active]),
+        of_rows.fast_in_front: order.fast_in_front(
+            there, (heading * speed[:, None])[active], size, images
+        ),
+    }
+    given_ = {
+        "flock": flock,
+        "space": space,
+        "context": SimpleNamespace(reach=reach),
+        "cells": cells,
+    }
+    with plain_python():
+        for compute, value in expected.items():
+            loop = compute.py_func
+            found = loop(*(given_[name] for name in inspect.signature(loop).parameters))
+            assert found == pytest.approx(value, rel=1e-9, abs=1e-9, nan_ok=True), loop.__name__
 
 
 def apart(a: np.ndarray, b: np.ndarray, size: np.ndarray, images: np.ndarray) -> float:

@@ -71,6 +71,11 @@ def has_kinds(flock) -> bool:
     return any(kind.agents for kind in flock.kinds.kinds)
 
 
+def is_of_several(flock) -> bool:
+    """Whether its agents are of several kinds, or have numbers of their own."""
+    return has_kinds(flock) or has_differences(flock)
+
+
 def has_hunters(flock) -> bool:
     """Whether agents of a kind catch others."""
     return bool(flock.kinds.catchers)
@@ -132,6 +137,8 @@ ORDER = [
         Range(0.0, 180.0),
         lambda flock: order.direction(flock.heading),
         quick=True,
+        compiled=of_rows.direction,
+        in_page=is_of_several,
     ),
     Observable(
         "angular-momentum",
@@ -188,6 +195,7 @@ ORDER = [
         ),
         quick=True,
         applies=has_differences,
+        compiled=of_rows.fast_in_front,
     ),
     over_a_run(
         "susceptibility",
@@ -409,6 +417,7 @@ KINDS = [
         of_flocks.kind_distance,
         applies=has_kinds,
         tells=has_kinds,
+        compiled=of_rows.kind_distance,
     ),
     Observable(
         "kind-mixing",
@@ -417,6 +426,7 @@ KINDS = [
         SHARE,
         of_flocks.kind_mixing,
         applies=has_kinds,
+        compiled=of_rows.kind_mixing,
     ),
 ]
 FLIGHT = [
@@ -510,6 +520,11 @@ def name_of_kind(name: str, kind: str) -> str:
     return f"{name}{OF_KIND}{kind}"
 
 
+def title_of_kind(title: str, kind: str) -> str:
+    """The title of an observable of the agents of a kind alone."""
+    return f"{title}, of the agents of kind {kind}"
+
+
 def kind_observables(flock: Any) -> list[str]:
     """What is measured of each kind of a flock, none where there are no kinds."""
     if not has_kinds(flock):
@@ -542,7 +557,7 @@ def find_observable(name: str) -> Observable:
     return replace(
         one,
         name=name,
-        title=f"{one.title}, of the agents of kind {kind}",
+        title=title_of_kind(one.title, kind),
         measure=measure,
         applies=lambda flock: has_kinds(flock) or (kind == INFORMED and has_informed(flock)),
         quick=False,

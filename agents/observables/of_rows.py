@@ -22,7 +22,7 @@ from numba.core import types
 from numba.core.extending import overload
 
 from agents.observables.consistency import squared_angle
-from agents.observables.order import EXACT
+from agents.observables.order import EXACT, FEWEST
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 
@@ -80,6 +80,19 @@ def is_active(flock, i):
     return flies and not is_caught(flock.kind, i)
 
 
+def are_of_one_kind(kind, i, j):
+    """Whether agents i and j are of the same kind; see `Arrays.kind`."""
+    return kind.shape[0] == 0 or kind[i] == kind[j]
+
+
+@overload(are_of_one_kind)
+def are_of_one_kind_compiled(kind, i, j):  # noqa: ARG001
+    """The same, or True where nobody asks."""
+    if kind.dtype == types.boolean:
+        return lambda kind, i, j: True  # noqa: ARG005
+    return lambda kind, i, j: kind.shape[0] == 0 or kind[i] == kind[j]
+
+
 @compiled
 def active_count(flock):
     """How many agents have not crashed."""
@@ -109,6 +122,15 @@ def polarisation(flock):
     """The length of the mean heading; see `agents.observables.order.polarisation`."""
     x, y, z, count = heading_sum(flock)
     return min(1.0, math.sqrt(x * x + y * y + z * z) / count) if count > 0 else 0.0
+
+
+@entry
+def direction(flock):
+    """The angle of the mean heading to the x axis, deg; see `agents.observables.order`."""
+    x, y, z, count = heading_sum(flock)
+    if math.sqrt(x * x + y * y + z * z) <= 4 * count * count * EXACT:
+        return math.nan
+    return math.degrees(math.atan2(math.sqrt(y * y + z * z), x))
 
 
 @entry
@@ -427,9 +449,10 @@ def root(parent, i):
     return i
 
 
-NEAREST, COUNTED, JOINED, LAYERED = 0, 1, 2, 3
+NEAREST, COUNTED, JOINED, LAYERED, MIXED = 0, 1, 2, 3, 4
 """What is made of the pairs of two cells: the least distance, how many are near, one group, or
-layers that are at most one apart; of these, how many pairs were not so."""
+layers that are at most one apart; of these, how many pairs were not so. Or how many are near that
+are of two kinds."""
 
 
 @compiled
@@ -441,6 +464,8 @@ def take_pair(flock, space, cells, i, j, limit, what, found):
     if what == NEAREST:
         return min(found, squared)
     if 0.0 < squared <= limit:
+        if what == MIXED and are_of_one_kind(flock.kind, i, j):
+            return found
         if what == LAYERED:
             below = min(cells.parent[i], cells.parent[j]) + 1
             if max(cells.parent[i], cells.parent[j]) <= below:
@@ -566,3 +591,143 @@ def layers(flock, space, context, cells):
     for i in range(agents):
         known += 1.0 if cells.parent[i] <= agents else 0.0
     return known
+
+
+# Agents of several kinds, and how fast each is.
+
+
+@entry
+def kind_distance(flock, space):
+    """How far the nearest of another kind is, mean; see `agents.observables.of_flocks`.
+
+    All pairs are looked at: the nearest may be as far away as the world is wide.
+    """
+    total, count = 0.0, 0
+    for i in range(flock.position.shape[0]):
+        if not is_active(flock, i):
+            continue
+        least = math.inf
+        for j in range(flock.position.shape[0]):
+            if is_active(flock, j) and not are_of_one_kind(flock.kind, i, j):
+                least = min(least, squared_distance(flock, space, i, j))
+        if least == math.inf:  # all are of one kind
+            return math.nan
+        total += math.sqrt(least)
+        count += 1
+    return total / count if count > 0 else math.nan
+
+
+@entry
+def kind_mixing(flock, space, context, cells):
+    """The share of pairs within reach that are of two kinds."""
+    first, has_others = -1, False
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            first = i if first < 0 else first
+            has_others = has_others or not are_of_one_kind(flock.kind, first, i)
+    reach = context.reach
+    list_cells(flock, space, cells, reach, cells.head.shape[0])
+    pairs = take_pairs(flock, space, cells, 1, reach * reach, COUNTED, 0.0)
+    if not has_others or pairs == 0.0:
+        return math.nan
+    return take_pairs(flock, space, cells, 1, reach * reach, MIXED, 0.0) / pairs
+
+
+@compiled
+def velocity_length(flock, i):
+    """How fast agent i is, by the length of its velocity."""
+    squared = 0.0
+    for axis in range(flock.heading.shape[1]):
+        along = flock.heading[i, axis] * flock.speed[i]
+        squared += along * along
+    return math.sqrt(squared)
+
+
+@compiled
+def place_key(flock, space, i, middle, way):
+    """How far agent i is in front of a place `middle`, along a vector `way`."""
+    dx, dy, dz = offset_from(flock, space, i, middle[0], middle[1], middle[2])
+    return dx * way[0] + dy * way[1] + dz * way[2]
+
+
+@compiled
+def front_key(flock, space, i, middle, way, fastest):
+    """What agents are ranked by: their speed where somebody is the fastest, else their place."""
+    if fastest > 0.0:
+        # The length of a vector is rounded: who is as fast as another has the same rank.
+        return np.rint(velocity_length(flock, i) / fastest * 1e12)
+    return place_key(flock, space, i, middle, way)
+
+
+@compiled
+def sift_down(flock, space, order, top, end, middle, way, fastest):
+    """Let the row at `top` of a heap sink until none below it has a larger key."""
+    row = order[top]
+    key = front_key(flock, space, row, middle, way, fastest)
+    below = 2 * top + 1
+    while below < end:
+        low_key = front_key(flock, space, order[below], middle, way, fastest)
+        if below + 1 < end:
+            other_key = front_key(flock, space, order[below + 1], middle, way, fastest)
+            if other_key > low_key:
+                below, low_key = below + 1, other_key
+        if low_key <= key:
+            break
+        order[top] = order[below]
+        top, below = below, 2 * below + 1
+    order[top] = row
+
+
+@compiled
+def rank_rows(flock, space, order, count, ranks, first, middle, way, fastest):
+    """Sort the first `count` rows of `order` by their keys, and write twice their ranks, from 1 on,
+    to `ranks[first + row]`; equal ones have the mean of theirs. Returns whether some differ."""
+    for top in range(count // 2 - 1, -1, -1):
+        sift_down(flock, space, order, top, count, middle, way, fastest)
+    for end in range(count - 1, 0, -1):
+        order[0], order[end] = order[end], order[0]
+        sift_down(flock, space, order, 0, end, middle, way, fastest)
+    begin = 0
+    while begin < count:
+        key = front_key(flock, space, order[begin], middle, way, fastest)
+        end = begin + 1
+        while end < count and front_key(flock, space, order[end], middle, way, fastest) == key:
+            end += 1
+        for at in range(begin, end):
+            ranks[first + order[at]] = begin + 1 + end
+        if begin == 0 and end == count:
+            return False
+        begin = end
+    return True
+
+
+@entry
+def fast_in_front(flock, space, cells):
+    """Whether the faster ones are in front; see `agents.observables.order.fast_in_front`."""
+    n, order, ranks = flock.position.shape[0], cells.parent, cells.head
+    count, fastest = 0, 0.0
+    x = y = z = 0.0
+    for i in range(n):
+        if is_active(flock, i):
+            order[count] = i
+            count += 1
+            fastest = max(fastest, velocity_length(flock, i))
+            x += flock.heading[i, 0] * flock.speed[i]
+            y += flock.heading[i, 1] * flock.speed[i]
+            if flock.heading.shape[1] == 3:
+                z += flock.heading[i, 2] * flock.speed[i]
+    length = math.sqrt(x * x + y * y + z * z)
+    if count < FEWEST or length <= 4 * count * count * EXACT * fastest:
+        return math.nan
+    middle, way = centre(flock, space, count), (x / length, y / length, z / length)
+    if not rank_rows(flock, space, order, count, ranks, 0, middle, way, fastest):
+        return math.nan
+    if not rank_rows(flock, space, order, count, ranks, n, middle, way, 0.0):
+        return math.nan
+    product = squares = other_squares = 0.0
+    for at in range(count):
+        one, other = ranks[order[at]] - count - 1.0, ranks[n + order[at]] - count - 1.0
+        product += one * other
+        squares += one * one
+        other_squares += other * other
+    return max(-1.0, min(1.0, product / math.sqrt(squares * other_squares)))

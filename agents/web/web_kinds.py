@@ -463,6 +463,7 @@ def page_values(flock: Flock) -> dict[str, Any]:
             if kinds.kinds and kinds.of(kind, other).radius is None
         ],
         "memory": [as_javascript(value) for value in flock.model.initial_columns.tolist()],
+        "caught": [len(flock.catches_of(name)) for name in kinds.names] if kinds.catchers else [],
         "catchers": [[hunter, prey, one.caught] for hunter, prey, one in kinds.catchers],
         "heeds": [
             [kinds.of(kind, other).deed == "own" for other in kinds.names] for kind in kinds.names

@@ -7,7 +7,7 @@ values of its sliders into the slots of the loop's arguments, which the manifest
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -21,8 +21,14 @@ from agents.individuals import normal, split_individuals
 from agents.kinds import replace_kind
 from agents.models.declare import NumberParameter, declared
 from agents.models.model import NUMBER
-from agents.observables.catalogue import OBSERVABLES, telling_observables
-from agents.observables.observable import Range
+from agents.observables.catalogue import (
+    OBSERVABLES,
+    OF_KIND,
+    kind_observables,
+    telling_observables,
+    title_of_kind,
+)
+from agents.observables.observable import Observable, Range
 from agents.observables.of_rows import NOT_ASKED, empty_cells, groups, layers
 from agents.spec import CompleteSpec
 from agents.state.start import TRIES, free_positions
@@ -89,12 +95,16 @@ class CallStopped(Exception):
 
 
 def web_program(
-    flock: Flock, update: Callable[[float], None] = lambda _: None, is_fixed: bool = False
+    flock: Flock,
+    update: Callable[[float], None] = lambda _: None,
+    is_fixed: bool = False,
+    wanted: Collection[str] = (),
 ) -> WebProgram:
     """The program of a flock, which goes on from where it stands; the flock stays as it is.
 
     `update` hears the share that is done. With `is_fixed` sliders are all that a page can change:
-    it has no other start, and nobody steers. Raises InputError for what a page cannot do yet.
+    it has no other start, and nobody steers. `wanted`: observables that it measures besides, where
+    they have a loop; also of a kind alone. Raises InputError for what a page cannot do yet.
     """
     demand_possible(flock)
     zone_sums = zones(flock)
@@ -126,12 +136,13 @@ def web_program(
         for name, (function, paths) in needed.items():
             calls[name] = paths
             functions[name] = of_slider(flock, function, name, *(0.5 for _ in paths[1:]))
-    measures = web_measures(flock)
+    measures = web_measures(flock, wanted)
     labels = web_labels(flock)
     measured = dict(arguments)
     if not flock.kinds.kinds:
         measured["flock"] = measured["flock"]._replace(kind=NOT_ASKED)
-    for compute in (*(OBSERVABLES[one["name"]].compiled for one in measures), *labels.values()):
+    measured_names = dict.fromkeys(one["name"].partition(OF_KIND)[0] for one in measures)
+    for compute in (*(OBSERVABLES[name].compiled for name in measured_names), *labels.values()):
         names = inspect.signature(compute.py_func).parameters
         functions[export_name(compute)] = PageFunction(compute, [measured[name] for name in names])
     module = module_of(functions, update)
@@ -261,32 +272,44 @@ def without_lists(flock: Flock) -> CompleteSpec:
     return flock.spec.with_parameters(flock.all_parameters | alike, kinds=kinds)
 
 
-def web_measures(flock: Flock) -> list[dict[str, Any]]:
+def web_measures(flock: Flock, wanted: Collection[str] = ()) -> list[dict[str, Any]]:
     """What a page can measure of a flock, what tells most of it first: of each its words, the
-    function that it calls, and by what names or paths that finds its arguments."""
+    function that it calls, and by what names or paths that finds its arguments. See `web_program`.
+
+    Behind them what is measured of each kind alone, with the number of that kind.
+    """
     telling = telling_observables(flock)
-    found = [
-        observable
-        for observable in OBSERVABLES.values()
+    wanted_names = {name.partition(OF_KIND)[0] for name in wanted}
+    found = {
+        name: observable
+        for name, observable in OBSERVABLES.items()
         if observable.compiled is not None
         and observable.applies(flock)
-        and observable.in_page(flock)
-    ]
-    found.sort(key=lambda one: telling.index(one.name) if one.name in telling else len(telling))
-    names = [one.name for one in found]
+        and (observable.in_page(flock) or name in wanted_names)
+    }
+    names = sorted(found, key=lambda one: telling.index(one) if one in telling else len(telling))
     if "catches" in names:  # a page has two charts at first: it is in the second one
-        found.insert(1, found.pop(names.index("catches")))
-    return [
-        {
-            "name": one.name,
-            "title": one.title,
-            "unit": one.unit,
-            "share": isinstance(one.range, Range) and one.range.is_share,
-            "quick": one.quick,
-        }
-        | loop_call(flock, one.compiled)
-        for one in found
-    ]
+        names.remove("catches")
+        names.insert(1, "catches")
+    measures = [describe_measure(flock, found[name]) for name in names]
+    for name in dict.fromkeys([*kind_observables(flock), *wanted]):
+        whole, _, kind = name.partition(OF_KIND)
+        if whole in found and kind in flock.kinds.names:
+            title = title_of_kind(found[whole].title, kind)
+            own = {"name": name, "title": title, "kind": flock.kinds.number(kind)}
+            measures.append(describe_measure(flock, found[whole]) | own)
+    return measures
+
+
+def describe_measure(flock: Flock, observable: Observable) -> dict[str, Any]:
+    """What a page has to know of an observable that it measures."""
+    return {
+        "name": observable.name,
+        "title": observable.title,
+        "unit": observable.unit,
+        "share": isinstance(observable.range, Range) and observable.range.is_share,
+        "quick": observable.quick,
+    } | loop_call(flock, observable.compiled)
 
 
 def car_sides(flock: Flock) -> dict[str, float] | None:

@@ -19,6 +19,7 @@ class KindKernel extends Kernel {
     this.kinds = kinds;
     this.now = {}; // values of sliders that were moved
     this.catches = []; // of the last tick: [identity of who was caught, of who caught it]
+    this.caught = [...this.manifest.differ.caught]; // how many of each kind so far
   }
 
   // A number of a slider. Where agents differ it is the mean, or the spread.
@@ -127,6 +128,7 @@ class KindKernel extends Kernel {
       const ids = this.view("flock.ids"), claimed = Array.from(this.view("hunt.claimed"), Number);
       const rows = [...claimed.keys()].filter((row) => claimed[row] >= 0);
       for (const row of rows) this.catches.push([Number(ids[row]), Number(ids[claimed[row]])]);
+      this.caught[prey] += rows.length;
       if (becomes === "taken") this.keep([...claimed.keys()].filter((row) => claimed[row] < 0));
       if (becomes === "frozen") for (const row of rows) {
         this.view("flock.kind")[row] = KindKernel.CAUGHT;
@@ -135,6 +137,20 @@ class KindKernel extends Kernel {
       if (becomes === "moved") this.moveElsewhere(rows);
     }
     this.write("caught", this.read("caught") + this.catches.length);
+  }
+
+  // What is of one kind alone is measured as if the others were caught.
+  measure(one) {
+    if (one.kind === undefined) return super.measure(one);
+    const before = this.view("flock.kind").slice(), caught = this.read("caught");
+    this.view("flock.kind").forEach((kind, row, all) => { if (kind !== one.kind) all[row] = KindKernel.CAUGHT; });
+    this.write("caught", this.caught[one.kind] ?? 0);
+    try {
+      return super.measure(one);
+    } finally {
+      this.view("flock.kind").set(before);
+      this.write("caught", caught);
+    }
   }
 
   // Let some rows be all there are.
@@ -229,6 +245,7 @@ class KindStarter extends Starter {
     });
     kernel.fillAll();
     kernel.write("caught", 0);
+    kernel.caught.fill(0);
     kernel.write("context.reach", kernel.reach());
   }
 }

@@ -3,7 +3,8 @@
 class StepCard {
   constructor(page, rows) {
     this.page = page;
-    this.rows = rows; // of sliders, by parameter, in their order
+    this.rows = rows; // of sliders, by parameter
+    this.sliders = [...$("sliders").children]; // with what stands above those of a kind
     this.steps = page.manifest.steps.map((step) => ({ ...step, choice: -1, isFixed: false, result: -1, verdict: [] }));
     this.number = 0;
     this.begun = 0; // the number of the step that the flock began with; 0: as the page was made
@@ -78,7 +79,7 @@ class StepCard {
     this.back.disabled = !number;
     this.next.disabled = number === steps.length - 1;
     // There is one slider of each parameter: it stands with the step, else among the others.
-    $("sliders").prepend(...Object.values(this.rows));
+    $("sliders").prepend(...this.sliders);
     this.control.replaceChildren(...(step.controls ?? []).flatMap((name) => this.rows[name] ?? []));
     this.prediction.hidden = !step.ask;
     this.question.textContent = step.ask ?? "";
@@ -106,9 +107,9 @@ class StepCard {
   describeValues(set) {
     return Object.entries(set).flatMap(([name, value], k) => {
       const known = this.page.manifest.parameters.find((parameter) => parameter.name === name);
-      const letter = element("i", "");
+      const letter = element("i", ""), whose = known?.group ? `${known.group}: ` : "";
       letter.append(...withIndices(known ? known.symbol : name));
-      return [...(k ? [", "] : []), letter, ` = ${plain(value)}`];
+      return [...(k ? [", "] : []), whose, letter, ` = ${plain(value)}`];
     });
   }
 

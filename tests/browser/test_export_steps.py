@@ -13,7 +13,6 @@ from tests.browser.accessibility import find_violations_in_both_themes
 from tests.browser.exported_page import page_text
 from tests.classroom.test_lesson_steps import RUN, mean_measured, scene_text
 from tests.viewer.waiting import until
-from worlds.input_error import InputError
 
 
 def words_of(scene: SavedScene) -> PageWords:
@@ -284,19 +283,8 @@ def test_a_step_begins_with_its_agents_and_is_compared_with_an_earlier_one(lesso
         assert page.locator("#charts select").first.input_value() == "polarisation"
 
 
-DIFFERING = [name for name in lesson_names() if find_lesson(name).spec.kinds] + ["fast-and-slow"]
-"""Lessons that measure what no page does: the laboratory and a class lead through them."""
-
-
-@pytest.mark.parametrize("name", DIFFERING)
-def test_a_lesson_that_no_page_can_take_is_refused_with_its_step(name):
-    scene = find_lesson(name)
-    with pytest.raises(InputError, match=r"\(step \d, flockscope export mine.toml\)$"):
-        page_files(Flock(scene.spec), name, words_of(scene))
-
-
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("name", [name for name in lesson_names() if name not in DIFFERING])
+@pytest.mark.parametrize("name", lesson_names())
 def test_every_lesson_shows_in_its_page_what_it_says(lesson, name):
     scene = find_lesson(name)
     with lesson(scene) as page:

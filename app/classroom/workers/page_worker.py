@@ -72,6 +72,20 @@ def demand_in_browser(scene: SavedScene) -> None:
     flock = Flock(scene.spec)
     demand_possible(flock)
     zones(flock)
+    demand_known_sliders(flock, scene)
+
+
+def demand_known_sliders(flock: Flock, scene: SavedScene) -> None:
+    """Refuse a lesson with the slider of a number that differs from agent to agent: the class knows
+    nothing of it. Raises InputError."""
+    own = flock.model.individual if flock.kinds.kinds or flock.individuals else ()
+    for number, step in enumerate(scene.steps, 1):
+        for name in step.controls:
+            if name in own:
+                raise InputError(
+                    f"step {number} has the slider of {name}, which each agent has its own of: "
+                    "a student's page has no such slider"
+                )
 
 
 def demand_alone(scene: SavedScene) -> None:

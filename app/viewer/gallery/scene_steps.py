@@ -170,9 +170,13 @@ class SceneStep(StrictTable):
         """The step as its file and a page have it, without what it does not say."""
         return {key: value for key, value in self.model_dump().items() if value}
 
+    def in_page(self) -> SceneStep:
+        """The same as a page has it: what is measured of a kind is a measure of its own."""
+        return self.model_copy(update={"measure": self.described_measure, "kind": ""})
+
     def page_values(self) -> dict[str, Any]:
         """The same for a page, which has no other file: the picture is in it."""
-        values = self.values()
+        values = self.in_page().values()
         return values | {"picture": picture_address(self.picture)} if self.picture else values
 
 
@@ -363,8 +367,6 @@ def demand_in_page(steps: Sequence[SceneStep], manifest: Mapping[str, Any], orig
     measures = [measure["name"] for measure in manifest["measures"]]
     for number, step in enumerate(steps, 1):
         place = f"step {number}, {origin}"
-        if step.kind:
-            raise InputError(f"kind = {step.kind!r} cannot be measured in a page ({place})")
         for name in (*step.controls, *step.set):
             if name == "agents" and manifest["start"] is not None:
                 continue
@@ -379,4 +381,4 @@ def demand_in_page(steps: Sequence[SceneStep], manifest: Mapping[str, Any], orig
                     f"set.{name} = {step.set[name]:g} is not allowed: in a page of this flock it "
                     f"goes from {low:g} to {high:g} ({place})"
                 )
-        demand_measure(step, measures, place)
+        demand_measure(step.in_page(), measures, place)

@@ -27,11 +27,13 @@ import shapely
 from agents.catalogue import from_file
 from agents.flock import Flock
 from agents.kinds import NO_KINDS, KindTable
+from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec, Spec
 from agents.web.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
+from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.dials import marked_symbol
 from app.viewer.scene.draw.agent_shapes import SWINGS, AgentShape, shape_of
 from app.viewer.scene.shown import palette
@@ -222,7 +224,10 @@ def page_parts(
     flock: Flock, words: PageWords, update: Update = lambda _: None, is_fixed: bool = False
 ) -> tuple[PageText, str, str]:
     """The page of a flock, its script and its style; see `web_program`. Raises InputError."""
-    program = web_program(flock, update, is_fixed)
+    titles = [title for plot in words.plots for title in observable_words(plot).split(", ")]
+    wanted = [name for name in OBSERVABLES if observable_words(name) in titles]
+    wanted += [name for step in words.steps for name in (step.described_measure, step.watch)]
+    program = web_program(flock, update, is_fixed, wanted)
     rule = flock.model.rule
     command = words.command or export_command(flock.spec)
     triangles, lines = drawn_obstacles(flock.world)
@@ -239,8 +244,8 @@ def page_parts(
     if words.steps:
         demand_in_page(words.steps, manifest, command)
         manifest["steps"] = [step.page_values() for step in words.steps]
-    first = {name: place for place, name in enumerate(dict.fromkeys(words.plots))}
-    manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
+    first = {title: place for place, title in enumerate(dict.fromkeys(titles))}
+    manifest["measures"].sort(key=lambda one: first.get(observable_words(one["name"]), len(first)))
     for parameter in manifest["parameters"]:
         parameter["symbol"] = marked_symbol(parameter["symbol"])
     if shape is not None:
