@@ -139,7 +139,7 @@ def test_a_page_finds_who_is_caught_as_a_flock_does(seed, dim, closes, hunts_own
 
 
 def test_sliders_are_called_as_the_axes_of_sweeps(monkeypatch):
-    monkeypatch.setattr("agents.web.web_program.web_measures", lambda _: [])
+    monkeypatch.setattr("agents.web.web_program.web_measures", lambda *_: [])
     monkeypatch.setattr("agents.web.web_program.module_of", lambda *_: web_module_of_nothing())
     shark = Kind("shark", 2, v0=uniform(0.04, 0.06), to={"flock": chase(2.0, 1.5, catch=0.1)})
     slow = Kind("slow", 4, v0=0.01, to={"flock": "own"})

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from agents.flock import Flock
+from agents.flock import Flock, measure_observable
 from agents.individuals import each, lognormal, normal, one_of, uniform
 from agents.kinds import Kind, chase
+from agents.observables.catalogue import OF_KIND, kind_observables
 from tests.browser.test_export import moved
 from tests.viewer.waiting import until
 
@@ -178,6 +179,23 @@ STATE = """(ticks) => page.ask({ ticks }).then(({ ids, kind, position, rows }) =
 }))"""
 
 
+MEASURED = """() => {
+  const shown = page.manifest.measures.map(({ name }) => name);
+  return page.requests.ask({ shown }).then(({ rows }) => shown.map((name, k) => [name, rows.at(-1)[1 + k]]));
+}"""
+
+
+def demand_same_measures(flock: Flock, page: Any) -> None:
+    """The page measures what a flock here does, also of each kind alone."""
+    values = dict(page.evaluate(MEASURED))
+    assert {"direction", *kind_observables(flock)} < set(values)
+    assert ("kind-distance" in values) == bool(flock.kinds.kinds)
+    for name, value in values.items():
+        whole, _, kind = name.partition(OF_KIND)
+        expected = measure_observable(flock, whole, kind or None)
+        assert value == pytest.approx(expected, rel=1e-6, abs=1e-6, nan_ok=True), name
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_a_page_flies_agents_that_differ_as_here_also_when_sliders_are_moved(opened, case):
     words, changes = CASES[case]
@@ -192,6 +210,7 @@ def test_a_page_flies_agents_that_differ_as_here_also_when_sliders_are_moved(ope
         flock.run(20)
         demand_same(flock, page.evaluate(STATE, 20))
         assert not flock.kinds.catchers or len(flock.catches) > 0
+        demand_same_measures(flock, page)
         # Another start keeps what sliders say; a list has as many numbers as it has.
         more = 0 if "each" in {one.kind for one in flock.individuals.values()} else 3
         agents = flock.options.agents + more

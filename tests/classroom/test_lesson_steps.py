@@ -158,8 +158,14 @@ def test_a_step_measures_a_kind_and_sets_its_parameters():
     assert "(9 ticks, eta = 1, shark.v0 = 0.02: mean catches of flock of" in step.describe()
     assert SavedScene.from_toml(scene.to_toml(), "again").steps == scene.steps
     assert unpack_scene(pack_scene(scene)).steps == scene.steps
-    with pytest.raises(InputError, match=r"kind = 'flock' cannot be measured in a page \(step 2"):
-        demand_in_page(scene.steps, {"parameters": [], "measures": []}, "mine.toml")
+    assert step.page_values()["measure"] == "catches of flock"
+    assert "kind" not in step.page_values()
+    sliders = [{"name": name, "of": [], "low": 0, "high": 6} for name in ("eta", "shark.v0")]
+    manifest = {"parameters": [one | {"slots": []} for one in sliders], "start": None}
+    of_kind = [{"name": "polarisation"}, {"name": "catches of flock"}]
+    demand_in_page(scene.steps, manifest | {"measures": of_kind}, "mine.toml")
+    with pytest.raises(InputError, match=r"unknown measure 'catches of flock' .*\(step 2, mine"):
+        demand_in_page(scene.steps, manifest | {"measures": of_kind[:1]}, "mine.toml")
 
 
 @pytest.mark.parametrize(
