@@ -181,7 +181,10 @@ STATE = """(ticks) => page.ask({ ticks }).then(({ ids, kind, position, rows }) =
 
 MEASURED = """() => {
   const shown = page.manifest.measures.map(({ name }) => name);
-  return page.requests.ask({ shown }).then(({ rows }) => shown.map((name, k) => [name, rows.at(-1)[1 + k]]));
+  return page.requests.ask({ shown }).then(({ rows }) => {
+    const [, ...values] = rows.at(-1);
+    return shown.map((name, k) => [name, values[k]]);
+  });
 }"""
 
 

@@ -298,3 +298,20 @@ def test_every_lesson_shows_in_its_page_what_it_says(lesson, name):
                 assert why == ([step.why] if step.why else [])
             if number < len(scene.steps):
                 page.click("#step-next")
+
+
+def test_a_step_says_whose_number_it_sets_and_sliders_of_a_kind_stay_below_its_name(lesson):
+    with lesson(find_lesson("shepherd")) as page:
+        below = "[...$('sliders').children].map((one) => one.matches('h2') ? one.textContent : '')"
+        order = page.evaluate(below)
+        assert order.index("dog") > 0
+        for _ in range(3):
+            page.click("#step-next")
+        assert page.locator("#step-plan").inner_text() == (
+            "1\u2009000 ticks from the start, with s = 1, dog: s = 0."
+        )
+        assert control(page, "#step-control") == ["Speed"]
+        assert page.locator("#charts select").first.input_value() == "polarisation of flock"
+        for _ in range(3):
+            page.click("#step-back")
+        assert page.evaluate(below) == order
