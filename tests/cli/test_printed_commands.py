@@ -34,7 +34,7 @@ RUN = {
     "flockscope list hwvem": "list hwvem",
     "flockscope list NAME, as in": "list wrap",
     "flockscope list KIND, as in": "list worlds",
-    "flockscope list MODEL shows those of a model, with unit and range": "list couzin",
+    "flockscope list MODEL shows those of a model": "list couzin",
     "flockscope run {thing[]}": "run vem --ticks 1",
     "flockscope export --lesson {thing[]}": "export --lesson who-leads --out {folder}/page.html",
     "flockscope run FILE.toml": "run {spec} --ticks 2",

@@ -374,7 +374,8 @@ def test_a_predator_is_added_tuned_undone_and_removed(laboratory, browser):
     until(lambda: simulation.state.kinds.names == ("flock", "predator", "whale"), COMPILED)
     until(lambda: panel.which.value == "whale")
     until(lambda: "whale <b>2</b>, by gregoire-chate" in panel.listed.content, COMPILED)
-    assert panel.sliders["own"].value == MODELS["gregoire-chate"].parameters().v0
+    default = MODELS["gregoire-chate"].parameters().v0
+    until(lambda: panel.sliders["own"].value == default)
     turn(browser, panel.sliders["own"], 0.07)
     until(lambda: simulation.state.kinds.kind("whale").parameters == {"v0": 0.07})
     press(browser, panel.remove)

@@ -156,13 +156,13 @@ def options_of(ctx: Any) -> list[str]:
 
 def suggest_option(option: str, options: Sequence[str]) -> str:
     """What an unknown option was most likely meant to be, as a question; "" if nothing is close."""
-    suggested = suggestion(option, options)
-    if suggested:
-        return suggested
     name = option.lstrip("-").replace("-", "_")
-    if name in LENGTHS:
-        length_options = [name for name in ("--ticks", "--seconds") if name in options]
-        return f": did you mean {length_options[0]!r}?" if length_options else ""
+    length_options = [length for length in ("--ticks", "--seconds") if length in options]
+    if name in LENGTHS and length_options:
+        return f": did you mean {length_options[0]!r}?"
+    suggested = suggestion(option, options)
+    if suggested or name in LENGTHS:
+        return suggested
     return (
         f": did you mean '--set {name}=...'?" if "--set" in options and is_parameter(name) else ""
     )
