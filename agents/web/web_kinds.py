@@ -22,6 +22,7 @@ from agents.individuals import ATTEMPTS, DRAWN, MOST_DRAWS, Distribution
 from agents.kinds import ORDINARY
 from agents.models.declare import NumberParameter, declared
 from agents.models.slider_range import round_up
+from agents.observables.of_agents import own_name
 from agents.observables.of_rows import is_active, nearest_image
 from agents.web.web_modules import PageFunction, with_callees
 from worlds.compilation import compiled, entry
@@ -448,6 +449,7 @@ def page_values(flock: Flock) -> dict[str, Any]:
             [zlib.crc32(name.encode()), *map(finite_or_none, one.bounds)]
             for name, one in own_parameters(flock).items()
         ],
+        "own": {own_name(one): flock.model.individual.index(one) for one in flock.differing},
         "draws": [list(draw) for draw in all_draws(flock)],
         "kinds": [
             {"name": name, "agents": 0 if k == 0 else kinds.kinds[k - 1].agents}

@@ -5,7 +5,8 @@ function showKinds() {
 
   Object.assign(Look.prototype, {
     // Whoever is caught and stands still is grey, whatever colours mean.
-    colours(frame) {
+    colours(now) {
+      const frame = { ...now, values: now.own[this.select.value] };
       const { kind, crashed, informed } = frame, { palette } = this.view.manifest;
       if (!kind.length) return colours.call(this, frame);
       const own = unhex(palette.kind), [caught] = unhex(palette.caught), isByKind = this.select.value === "kind";

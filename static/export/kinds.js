@@ -264,6 +264,9 @@ class KindRunner extends Runner {
   state() {
     const { kernel } = this;
     kernel.draw("reach"); // notes it for each
-    return { ...super.state(), kind: kernel.view("flock.kind").slice(), reaches: kernel.view("reaches").slice() };
+    const copy = (name) => kernel.view(name).slice(), table = copy("flock.own"), [, wide] = kernel.arguments["flock.own"].shape;
+    const own = Object.fromEntries(Object.entries(this.manifest.differ.own).map(([name, column]) =>
+      [name, table.filter((_, at) => at % wide === column)]));
+    return { ...super.state(), kind: copy("flock.kind"), reaches: copy("reaches"), own };
   }
 }

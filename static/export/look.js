@@ -35,8 +35,8 @@ class Look {
     this.size = $("size");
     this.theme = $("theme");
     this.note = $("trailed");
-    const kind = view.manifest.differ?.kinds.length ? ["kind"] : [];
-    for (const colour of ["heading", "speed", ...kind, ...Object.keys(view.manifest.labels)]) {
+    const { differ, labels } = view.manifest, kind = differ?.kinds.length ? ["kind"] : [];
+    for (const colour of ["heading", "speed", ...kind, ...Object.keys({ ...differ?.own, ...labels })]) {
       this.offer(colour, colour);
       if (colour === view.manifest.colour) this.select.value = colour;
     }

@@ -190,7 +190,7 @@ class View {
     const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
     const reach = Math.hypot(...size), away = 1.2 * reach / this.zoom;
     const turn = new Float32Array([cy, -sy * sp, sy * cp, 0, sy, cy * sp, -cy * cp, 0, 0, cp, sp, 0, 0, 0, -away, 1]);
-    const near = away / 50, far = away + 2 * reach, short = Math.min(width, height);
+    const near = away / 50, far = away + 2 * reach / Math.min(1, this.zoom), short = Math.min(width, height);
     this.unit = LENS * short / 2;
     const lensed = [
       LENS * short / width, 0, 0, 0, 0, LENS * short / height, 0, 0,

@@ -283,11 +283,23 @@ def test_a_step_begins_with_its_agents_and_is_compared_with_an_earlier_one(lesso
         assert page.locator("#charts select").first.input_value() == "polarisation"
 
 
+IN_PICTURE = """() => {
+  const { view } = page, { width, height } = view.canvas;
+  const isIn = (at, most) => at >= 0 && at <= most;
+  const rows = [...view.ids.keys()].filter((row) => !(page.state.kind?.[row] < 0));
+  const places = rows.map((row) => view.project(...view.placeOf(row)));
+  return places.filter(([x, y]) => isIn(x, width) && isIn(y, height)).length / places.length;
+}"""
+"""The share of agents, without those that were caught and left behind, that the picture shows."""
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", lesson_names())
 def test_every_lesson_shows_in_its_page_what_it_says(lesson, name):
     scene = find_lesson(name)
     with lesson(scene) as page:
+        if "colour" in scene.look:
+            assert page.locator("#colour").input_value() == scene.look["colour"]
         for number, step in enumerate(scene.steps, 1):
             shown = control(page, "#step-control")
             assert len(shown) == len(step.controls)
@@ -296,6 +308,7 @@ def test_every_lesson_shows_in_its_page_what_it_says(lesson, name):
                 assert f"This run shows “{step.shows}”." in told, number
                 assert verdict == f"Your prediction “{step.shows}” holds."
                 assert why == ([step.why] if step.why else [])
+                assert page.evaluate(IN_PICTURE) > 0.5, "most are shown, however far they fly"
             if number < len(scene.steps):
                 page.click("#step-next")
 

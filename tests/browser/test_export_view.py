@@ -401,3 +401,41 @@ def test_a_page_is_small():
     page = flock_page(Flock("vem", rng=3)).encode()
     assert len(page) < 120_000
     assert len(gzip.compress(page)) <= 55_000
+
+
+PLACES = """() => {
+  const { view } = page, { width, height } = view.canvas;
+  return [...view.ids.keys()].flatMap((row) => {
+    const [x, y] = view.project(...view.placeOf(row));
+    return [x / width, y / height];
+  });
+}"""
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_flock_that_flies_out_of_its_world_stays_in_the_picture(opened, dim):
+    flock = Flock("vem", agents=20, rng=1, world="open", size=3.0, dim=dim, eta=0.0, v0=0.5, r=5.0)
+    with opened(flock) as page:
+        home = page.evaluate("[page.view.centre, page.view.zoom]")
+        for _ in range(6):
+            page.evaluate("page.ask({ ticks: 15 })")
+            places = page.evaluate(PLACES)
+            assert 0.0 <= min(places) < max(places) <= 1.0
+        far = page.evaluate("page.view.centre")
+        assert np.linalg.norm(np.subtract(far, home[0])) > 4.0 * 3.0
+        page.evaluate("page.view.magnify(2.0)")
+        assert page.evaluate("page.view.closer") == 2.0
+        page.click("#reset")
+        until(lambda: page.evaluate("page.state.tick") == 0, 30, "the start")
+        assert page.evaluate("page.view.centre") == pytest.approx(home[0])
+        if dim == 2:  # who has shifted the picture looks where he likes
+            page.evaluate("page.view.shift(10, 0)")
+            before = page.evaluate("page.view.centre")
+            page.evaluate("page.ask({ ticks: 90 })")
+            assert page.evaluate("page.view.centre") == before
+            page.evaluate("page.view.canvas.dispatchEvent(new MouseEvent('dblclick'))")
+            assert min(page.evaluate(PLACES)) >= 0.0
+
+
+def test_a_page_of_a_world_that_closes_has_no_script_that_follows():
+    assert "follow(frame)" not in flock_page(Flock("vem", agents=20, rng=1))

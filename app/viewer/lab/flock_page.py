@@ -44,8 +44,8 @@ from worlds.world import World
 
 FOLDER = STATIC / "export"
 SCRIPTS = ("kernel.js", "start.js", "runner.js", "view.js", "look.js", "page.js")
-SHAPES, KINDS, KINDS_PAGE = "shapes.js", "kinds.js", "kinds-page.js"
-"""Of pages whose agents are no darts, and of pages whose agents differ."""
+SHAPES, KINDS, KINDS_PAGE, FOLLOW = "shapes.js", "kinds.js", "kinds-page.js", "follow.js"
+"""Of pages whose agents are no darts, whose agents differ, and whose world is open."""
 LIVELY, FASTEST = 30.0, 1000.0
 """Ticks a second at which a page begins, and at most."""
 CORNERS = 48
@@ -173,7 +173,7 @@ def page_files(
     """The same as files of a folder on a web server: its page, which is called `name`, what runs,
     and what all pages of the folder share. Raises InputError."""
     page, _, style = page_parts(flock, words, update)
-    script = page_script(has_shape=True, differ=True)
+    script = page_script(has_shape=True, differ=True, is_open=True)
     script_file, style_file = VIEWER_FILES
     module, memory = f"{name}.wasm", f"{name}.bin"
     script, style = with_steps(script, style)  # one file for all pages, those without steps too
@@ -250,7 +250,7 @@ def page_parts(
         parameter["symbol"] = marked_symbol(parameter["symbol"])
     if shape is not None:
         manifest["shape"] = page_shape(shape)
-    script = page_script(shape is not None, "differ" in manifest)
+    script = page_script(shape is not None, "differ" in manifest, "open" in flock.world.edges)
     style = read_style("page.css")
     texts = {
         "title": words.title or rule.title,
@@ -350,10 +350,11 @@ def read_style(name: str) -> str:
     return (FOLDER / name).read_text("utf-8")
 
 
-def page_script(has_shape: bool, differ: bool) -> str:
+def page_script(has_shape: bool, differ: bool, is_open: bool) -> str:
     """The scripts of a page, in the order in which they need each other; `page.js` begins."""
     shapes, kinds = (SHAPES,) if has_shape else (), (KINDS, KINDS_PAGE) if differ else ()
-    names = (*SCRIPTS[:-1], *shapes, *kinds, SCRIPTS[-1])
+    follow = (FOLLOW,) if is_open else ()
+    names = (*SCRIPTS[:-1], *shapes, *kinds, *follow, SCRIPTS[-1])
     return "'use strict';\n" + "\n".join(short_script(name) for name in names)
 
 
