@@ -23,6 +23,7 @@ from agents.individuals import (
     one_of,
     uniform,
 )
+from agents.kinds import Kind
 from agents.models.declare import declared
 from agents.spec import Spec
 from worlds.input_error import InputError
@@ -379,3 +380,18 @@ def test_a_refused_change_changes_nothing():
             flock.set(**values)
     assert np.array_equal(flock.own["eta"], before)
     assert isinstance(flock.individuals["eta"], Distribution)
+
+
+def test_a_list_is_in_the_order_of_rows_also_of_a_kind_and_once_it_is_set_again():
+    numbers, of_two = np.linspace(0.01, 0.05, 42), [0.1, 0.2]
+    two = Kind("two", 2, v0=each(of_two), to={"flock": "own"})
+    flock = Flock("vem", agents=40, rng=3, v0=each(numbers), kinds=[two])
+    assert not np.array_equal(flock.ids, np.sort(flock.ids)), "rows follow space"
+    is_two = flock.kind_names == "two"
+    before = flock.own["v0"].copy()
+    assert before[~is_two].tolist() == numbers[~is_two].tolist()
+    assert before[is_two].tolist() == of_two
+    flock.set(v0=each(numbers))
+    assert flock.own["v0"].tolist() == before.tolist()
+    flock.restart(3)
+    assert flock.own["v0"].tolist() == before.tolist()

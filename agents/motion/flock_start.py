@@ -49,12 +49,20 @@ class FlockStart(SteeredMotion):
         ids = np.arange(1, self.options.count + 1)
         own, kind = self._own_at_start(ids), self._kind_at_start(ids)
         table = StartTable(own, kind, self._start_gap(own, kind))
-        distributions = [*self.individuals.values()]
-        for one in self.kinds.kinds:
-            distributions += [d for d in one.parameters.values() if isinstance(d, Distribution)]
-        if not distributions:
+        if not self._distributions:
             self._kept_start = table
         return table
+
+    @property
+    def _distributions(self) -> list[Distribution]:
+        """What own numbers are drawn from, of all agents and of kinds."""
+        of_kinds = (value for one in self.kinds.kinds for value in one.parameters.values())
+        return [*self.individuals.values(), *(d for d in of_kinds if isinstance(d, Distribution))]
+
+    @property
+    def _has_lists(self) -> bool:
+        """Whether numbers are given agent by agent."""
+        return any(one.kind == "each" for one in self._distributions)
 
     def _kind_at_start(self, ids: np.ndarray) -> np.ndarray:
         """The number of the kind of each agent with which the flock begins, (N,), or (0,).
@@ -77,7 +85,8 @@ class FlockStart(SteeredMotion):
         ordinary = run.count - run.informed
         begin = random_start(self.world, ordinary, run.informed, self.seed, run.spacing, table.gap)
         begin = self._start_kinds_in_boxes(begin, table)
-        own = table.own[begin.number]
+        # Lists are in the order of rows, whichever identities stand there.
+        own = self._own_at_start(1 + begin.number) if self._has_lists else table.own[begin.number]
         kind = table.kind[begin.number] if len(table.kind) else table.kind
         with_speeds = bool(begin.speed.any())
         return self._with_start_speeds(begin, with_speeds, own, kind=kind), own
