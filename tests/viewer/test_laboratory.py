@@ -375,7 +375,7 @@ def test_a_predator_is_added_tuned_undone_and_removed(laboratory, browser):
     until(lambda: panel.which.value == "whale")
     until(lambda: "whale <b>2</b>, by gregoire-chate" in panel.listed.content, COMPILED)
     default = MODELS["gregoire-chate"].parameters().v0
-    until(lambda: panel.sliders["own"].value == default)
+    until(lambda: "own" in panel.sliders and panel.sliders["own"].value == default)
     turn(browser, panel.sliders["own"], 0.07)
     until(lambda: simulation.state.kinds.kind("whale").parameters == {"v0": 0.07})
     press(browser, panel.remove)
