@@ -156,7 +156,8 @@ def test_a_flock_that_runs_as_fast_as_it_goes_takes_no_more_than_its_share(speed
     try:
         assert simulation.ready.wait(120)
         clock = time.pthread_getcpuclockid(simulation.thread.ident)
-        time.sleep(2.5)  # what it had to spend at once, and owes for its set-up, is over
+        time.sleep(2.5)  # what it owes for its set-up is over
+        until(lambda: simulation.keeping.wait > 0.0, 60)  # so is what it had to spend at once
         began, worked = time.monotonic(), time.clock_gettime(clock)
         tick = simulation.frame.tick
         time.sleep(3.0)

@@ -381,6 +381,8 @@ def test_a_predator_is_added_tuned_undone_and_removed(laboratory, browser):
     press(browser, panel.remove)
     until(lambda: simulation.state.kinds.names == ("flock", "predator"))
     seed = simulation.state.spec.seed
+    # Another test may have left nonsense in the tab Setup, such as a spacing that nothing fits.
+    laboratory.setup.follow(simulation.state.spec, None)
     laboratory.run.set_up()
     until(lambda: simulation.state.spec.seed == seed + 1)
     assert simulation.state.kinds.kind("predator").agents == 3
