@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -110,19 +111,86 @@ def drawn(plot, colour: str) -> int:
     return int((np.abs(shown - wanted).max(axis=-1) < 40).sum())
 
 
-def test_a_plot_whose_axis_follows_its_values_shows_its_curve(measured, laboratory):
-    """One without marks, and beside a curve without values: the axis has ends nevertheless."""
+FIND = "([name, act]) => Object.values(window.__viserTestpoints.uplots)\
+.map(({ chart }) => chart).filter((chart) => chart.series[1]?.label === name).map(eval(act))[0]"
+"""Does something with the chart whose first curve has a name, as viser's own tests find it."""
+
+
+@pytest.fixture
+def chart(measured, laboratory, monkeypatch):
+    """The second chart of the page, which nothing but the test draws."""
+    plot = laboratory.plots.charts[1].plot
+    chart = plot.chart
+    monkeypatch.setattr(plot, "chart", Mock())
+    measured.page.locator(".u-wrap").nth(1).scroll_into_view_if_needed()
+    return chart
+
+
+def show(chart, name: str, first: float, last: float, more: tuple[ChartCurve, ...] = ()) -> None:
+    """Draw a curve from 2 to 7 that has a value every tick; its axis follows its values."""
+    at = np.arange(first, last + 1.0)
+    curves = (ChartCurve(COLOURS[0], np.linspace(2.0, 7.0, len(at)), name), *more)
+    scale = uplot.Scale(range=(0.0, None))
+    chart.show(ChartContents("", at, curves, ("tick", "both"), scale))
+
+
+def shown_times(page, name: str) -> tuple[float, ...] | None:
+    """The ends of the axis of times of the chart with that curve; None while there is none."""
+    ends = page.evaluate(FIND, [name, "({ scales }) => [scales.x.min, scales.x.max]"])
+    return ends and tuple(ends)
+
+
+def test_a_plot_whose_axis_follows_its_values_shows_its_curve(measured):
+    """One without marks."""
     plot = measured.page.locator(".u-wrap").nth(1)
     plot.scroll_into_view_if_needed()
     until(lambda: drawn(plot, COLOURS[0]) > 60)
-    chart = laboratory.plots.charts[1].plot.chart
-    values = np.linspace(2.0, 7.0, 50)
-    curves = (
-        ChartCurve(COLOURS[0], values, "some"),
-        ChartCurve(COLOURS[1], np.full(50, np.nan), "none"),
-    )
-    chart.show(
-        ChartContents("", np.arange(50.0), curves, ("tick", "both"), uplot.Scale(range=(0.0, None)))
-    )
+
+
+@pytest.mark.parametrize("values", [[np.nan] * 50, [np.nan, *[3.0] * 49]], ids=["none", "late"])
+def test_a_curve_that_begins_without_a_value_leaves_the_axis_its_ends(measured, chart, values):
+    show(chart, "some", 0, 49, (ChartCurve(COLOURS[1], np.array(values), "other"),))
+    plot = measured.page.locator(".u-wrap").nth(1)
+    until(lambda: shown_times(measured.page, "some") == (0, 49))
     until(lambda: drawn(plot, COLOURS[0]) > 60)
-    assert drawn(plot, COLOURS[1]) == 0
+    assert (drawn(plot, COLOURS[1]) > 60) == np.isfinite(values).any()
+
+
+def test_a_plot_shows_all_its_times_however_often_it_is_made_anew(measured, chart):
+    """Each name makes it anew, with other ends; each twice as the page gets what comes at once."""
+    for turn in range(6):
+        show(chart, f"first {turn}", 0, 49 + turn)
+        show(chart, f"other {turn}", 100 * turn + 100, 100 * turn + 249)
+        ends = 100 * turn + 100, 100 * turn + 249
+        until(lambda name=f"other {turn}", ends=ends: shown_times(measured.page, name) == ends)
+
+
+def test_a_plot_that_has_lost_the_ends_of_its_times_has_them_again(measured, chart):
+    """As happens where its first data come before it was drawn once, on a page that is busy."""
+    show(chart, "some", 0, 49)
+    until(lambda: shown_times(measured.page, "some") == (0, 49))
+    lose = "(chart) => { chart.scales.x.min = chart.scales.x.max = null; chart.redraw(); }"
+    measured.page.evaluate(FIND, ["some", lose])
+    until(lambda: shown_times(measured.page, "some") == (0, 49))
+
+
+def test_who_has_zoomed_in_goes_on_to_see_that_share_until_a_double_click(measured, chart):
+    page = measured.page
+    show(chart, "some", 0, 100)
+    until(lambda: shown_times(page, "some") == (0, 100))
+    box = page.locator(".u-over").nth(1).bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 4, box["y"] + 40)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 60, steps=4)
+    page.mouse.up()
+    near = pytest.approx((25, 50), abs=2)
+    until(lambda: shown_times(page, "some") == near)
+    show(chart, "some", 0, 200)
+    twice = pytest.approx((50, 100), abs=4)
+    until(lambda: shown_times(page, "some") == twice)
+    show(chart, "anew", 0, 100)
+    until(lambda: shown_times(page, "anew") == near)
+    page.mouse.dblclick(box["x"] + box["width"] / 2, box["y"] + 40)
+    until(lambda: shown_times(page, "anew") == (0, 100))
+    show(chart, "anew", 0, 300)
+    until(lambda: shown_times(page, "anew") == (0, 300))

@@ -228,18 +228,10 @@ class Chart:
         self.head.visible, self.plot.visible = bool(contents.head), bool(contents.curves)
 
     def draw(self, contents: ChartContents) -> None:
-        """Tell browsers what has changed of the curves; there are some.
-
-        Whatever is not only new data has a browser make the chart anew. viser's client then takes
-        the share of the times that it shows from the old chart and the new data, and is wrong if
-        those have other ends: so the new ones only come with the next call.
-        """
+        """Tell browsers what has changed of the curves; there are some."""
         columns = self.columns(contents)
         scales = {"x": X, "y": contents.y}
         pens = (contents.titles[0], *(curve.pen for curve in contents.curves))
-        anew = (scales, contents.titles, pens) != (self.scales, self.titles, self.pens)
-        if anew and self.plot.visible:
-            columns = self.initial_columns(columns, others=pens != self.pens)
         if not are_equal(columns, self.plot.data):
             self.plot.data = columns
         if scales != self.scales:
@@ -262,21 +254,6 @@ class Chart:
             columns[0][:1] + np.array([0.0, 1.0]),
             *(np.append(column[:1], np.nan) for column in columns[1:]),
         )
-
-    def initial_columns(
-        self, columns: tuple[np.ndarray, ...], others: bool
-    ) -> tuple[np.ndarray, ...]:
-        """What a chart that is made anew begins with: its curves, if their ends are the same.
-
-        If not, the curves as they were, or none if they are `others`.
-        """
-        before = self.plot.data
-        ends = before[0][[0, -1]]
-        if np.array_equal(ends, columns[0][[0, -1]]):
-            return columns
-        if not others:
-            return before
-        return (ends, *(np.full(2, np.nan) for _ in columns[1:]))
 
     def drawn_indices(self, contents: ChartContents) -> np.ndarray:
         """Which of the points are drawn: few enough, always every dot and the last of a curve."""
@@ -309,8 +286,8 @@ def series(
     """How a curve is drawn."""
     if dots:
         shape: Any = {"show": True, "size": DOT, "fill": colour, "width": 0}
-        # They lie on curves. Without one of them uPlot would find no end of the axis.
-        return uplot.Series(label=label, stroke=colour, width=0, points=shape, auto=False)
+        hidden: Any = {"class": "fs-mark"}  # among the values under the mouse
+        return uplot.Series(label=label, stroke=colour, width=0, points=shape, **hidden)
     more: Any = {"dash": dash} if dash else {}
     return uplot.Series(label=label, stroke=colour, width=width, points={"show": False}, **more)
 
