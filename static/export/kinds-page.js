@@ -1,7 +1,13 @@
 // Has a page show agents that differ: colours and numbers of kinds, whom an agent heeds, and sliders by kind.
 function showKinds() {
   const { colours, role } = Look.prototype, { neighbours } = View.prototype;
-  const { addSlider, areZonesInOrder } = Page.prototype;
+  const { addSlider, areZonesInOrder, begin, reset } = Page.prototype;
+  const dotOf = (manifest, number) => {
+    const dot = element("span", "");
+    dot.className = "dot";
+    dot.style.background = css(unhex(manifest.palette.kind)[number]);
+    return dot;
+  };
 
   Object.assign(Look.prototype, {
     // Whoever is caught and stands still is grey, whatever colours mean.
@@ -50,15 +56,46 @@ function showKinds() {
   });
 
   Object.assign(Page.prototype, {
+    begin() {
+      if (this.kinds.length) this.addCounts();
+      return begin.call(this);
+    },
+    // How many agents each kind has: another number begins the flock anew, with the same seed.
+    addCounts() {
+      const counts = Object.assign(element("div", ""), { id: "counts" }), first = $("agents").parentElement;
+      const name = (label, number) => {
+        const words = element("span", this.manifest.differ.kinds[number].name);
+        words.prepend(dotOf(this.manifest, number));
+        label.prepend(words);
+      };
+      first.firstChild.remove();
+      name(first, 0);
+      this.fields = this.kinds.map((_, k) => {
+        const label = element("label", ""), field = Object.assign(element("input", ""), { type: "number", min: 0, max: MOST_AGENTS });
+        label.append(field);
+        name(label, k + 1);
+        field.onchange = () => this.beginAnew($("agents").value, $("seed").value, this.fields.map((one) => one.value));
+        return field;
+      });
+      counts.append(first, ...this.fields.map((field) => field.parentElement));
+      $("anew").prepend(counts, element("small", `Agents of each kind, ${grouped(MOST_AGENTS)} at most in all.`));
+    },
+    reset() {
+      this.fields?.forEach((field, k) => { field.value = this.others[k]; });
+      return reset.call(this);
+    },
+    faultOfKinds(agents, others) {
+      const wrong = others.findIndex((count) => !/^\d{1,5}$/.test(count) || count > MOST_AGENTS);
+      const all = others.reduce((sum, count) => sum + +count, agents + this.manifest.start.informed);
+      return wrong >= 0 ? `${this.kinds[wrong].name}: a whole number from 0 to ${grouped(MOST_AGENTS)} agents.`
+        : all > MOST_AGENTS ? `${grouped(all)} agents are too many: ${grouped(MOST_AGENTS)} at most in all.` : "";
+    },
     // The sliders of a kind stand below its name.
     addSlider(parameter) {
-      const { group } = parameter, { differ, palette } = this.manifest;
+      const { group } = parameter, { differ } = this.manifest;
       if (group && group !== this.group) {
-        const title = element("h2", group), dot = element("span", "");
-        const number = differ.kinds.findIndex(({ name }) => name === group);
-        dot.className = "dot";
-        dot.style.background = css(unhex(palette.kind)[number]);
-        title.prepend(dot);
+        const title = element("h2", group);
+        title.prepend(dotOf(this.manifest, differ.kinds.findIndex(({ name }) => name === group)));
         $("sliders").append(title);
         this.group = group;
       }

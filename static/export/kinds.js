@@ -221,6 +221,14 @@ class KindKernel extends Kernel {
 }
 
 class KindStarter extends Starter {
+  // `others`: of each kind beside the ordinary agents how many there are.
+  begin(seed, agents, others) {
+    const { kernel } = this, counts = [0, ...others];
+    kernel.kinds = kernel.kinds.map((kind, number) => ({ ...kind, agents: counts[number] }));
+    this.words = { ...this.words, others: counts.reduce((sum, count) => sum + count, 0) };
+    super.begin(seed, agents);
+  }
+
   // Kinds and own numbers follow from identities: the agents of kinds have the last ones.
   prepare(n) {
     const { kernel } = this;

@@ -183,8 +183,8 @@ class Page {
     $("go").onclick = () => this.toggle();
     $("step").onclick = () => { this.go(false); this.ask({ ticks: 1 }); };
     $("reset").onclick = () => this.reset();
-    this.agents = manifest.start?.agents ?? manifest.agents;
-    this.seed = manifest.seed;
+    this.kinds = (manifest.differ?.kinds ?? []).slice(1); // beside the ordinary agents
+    [this.agents, this.seed, this.others] = this.first;
     $("anew").hidden = !manifest.start;
     $("stays").hidden = !manifest.start?.stays;
     $("agents").onchange = $("seed").onchange = () => this.beginAnew($("agents").value, $("seed").value);
@@ -203,10 +203,24 @@ class Page {
     });
   }
 
+  // What the flock began with as the page was made: ordinary agents, seed, and the number of agents of each kind.
+  get first() {
+    const { start, agents, seed } = this.manifest;
+    return [start?.agents ?? agents, seed, this.kinds.map((kind) => kind.agents)];
+  }
+
+  // The names of the same in the address.
+  get names() {
+    return ["agents", "seed", ...this.kinds.map(({ name }) => `${name}.agents`)];
+  }
+
   async begin() {
-    const said = new URLSearchParams(location.hash.slice(1));
-    if (!said.has("agents") && !said.has("seed")) await this.reset();
-    else await this.beginAnew(said.get("agents") ?? this.agents, said.get("seed") ?? this.seed);
+    const said = new URLSearchParams(location.hash.slice(1)), { names } = this;
+    if (!names.some((name) => said.has(name))) await this.reset();
+    else {
+      const [agents, seed, ...others] = [this.agents, this.seed, ...this.others].map((now, k) => said.get(names[k]) ?? now);
+      await this.beginAnew(agents, seed, others);
+    }
     for (const name of ["go", "step", "reset", "save", "save-charts", "save-picture"]) $(name).disabled = false;
   }
 
@@ -355,34 +369,37 @@ class Page {
     this.turn = undefined;
     this.run += 1;
     this.view.clear();
-    const { manifest, agents, seed } = this, first = manifest.start?.agents ?? manifest.agents;
+    const { manifest, agents, seed, others } = this;
     Object.assign($("agents"), { value: agents });
     Object.assign($("seed"), { value: seed });
     // At tick 0 what sliders say may count: how fast agents begin, and how far from what is solid.
     const isMoved = !manifest.tick && manifest.parameters.some((one) => this.values[one.name] !== one.value);
-    const anew = manifest.start && (agents !== first || seed !== manifest.seed || isMoved);
-    return this.ask({ reset: true, set: Object.entries(this.values), start: anew ? [seed, agents] : undefined });
+    const anew = manifest.start && (isMoved || String([agents, seed, others]) !== String(this.first));
+    return this.ask({ reset: true, set: Object.entries(this.values), start: anew ? [seed, agents, others] : undefined });
   }
 
-  // The flock from another start; where there is none, the one before.
-  async beginAnew(agents, seed) {
-    const before = [this.agents, this.seed];
+  // The flock from another start; where there is none, the one before. `others`: of each kind its number of agents.
+  async beginAnew(agents, seed, others = this.others) {
+    const before = [this.agents, this.seed, this.others], ordinary = this.kinds.length ? "flock" : "Agents";
     const fault = !this.manifest.start ? "This flock has no other start."
-      : !/^[1-9]\d{0,4}$/.test(agents) || agents > MOST_AGENTS ? `Agents: 1 to ${grouped(MOST_AGENTS)}.`
-      : !/^\d{1,18}$/.test(seed) ? "Seed: a whole number of at most 18 digits." : "";
-    if (!fault) [this.agents, this.seed] = [+agents, String(BigInt(seed))];
+      : !/^[1-9]\d{0,4}$/.test(agents) || agents > MOST_AGENTS ? `${ordinary}: 1 to ${grouped(MOST_AGENTS)}.`
+      : !/^\d{1,18}$/.test(seed) ? "Seed: a whole number of at most 18 digits." : this.faultOfKinds(+agents, others);
+    if (!fault) [this.agents, this.seed, this.others] = [+agents, String(BigInt(seed)), others.map(Number)];
     const refused = fault || (await this.reset())?.error;
     if (!refused) return this.remember();
-    [this.agents, this.seed] = before;
+    [this.agents, this.seed, this.others] = before;
     await this.reset();
     this.say(refused);
+  }
+
+  faultOfKinds() {
+    return "";
   }
 
   // What begins a run stands in the address.
   remember() {
     const said = new URLSearchParams(location.hash.slice(1));
-    said.set("agents", this.agents);
-    said.set("seed", this.seed);
+    [this.agents, this.seed, ...this.others].forEach((value, k) => said.set(this.names[k], value));
     try { history.replaceState(null, "", `#${said}`); } catch { /* a frame may forbid it */ }
   }
 

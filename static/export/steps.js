@@ -174,7 +174,8 @@ class StepCard {
       page.values[name] = set[name] ?? value;
       page.shown[name](page.values[name]);
     }
-    page.agents = set.agents ?? page.manifest.start?.agents ?? page.manifest.agents;
+    const [agents, , others] = page.first;
+    Object.assign(page, { agents: set.agents ?? agents, others });
     this.begun = number;
     return page.reset();
   }

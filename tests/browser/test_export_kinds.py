@@ -10,8 +10,9 @@ import pytest
 
 from agents.flock import Flock, measure_observable
 from agents.individuals import each, lognormal, normal, one_of, uniform
-from agents.kinds import Kind, chase
+from agents.kinds import Kind, chase, replace_kind
 from agents.observables.catalogue import OF_KIND, kind_observables
+from tests.browser.accessibility import find_violations_in_both_themes
 from tests.browser.test_export import moved
 from tests.viewer.waiting import until
 
@@ -227,6 +228,99 @@ def test_a_page_flies_agents_that_differ_as_here_also_when_sliders_are_moved(ope
         for ticks in (0, 20):
             anew.run(ticks)
             demand_same(anew, page.evaluate(STATE, ticks))
+
+
+def fill_count(page: Any, kind: str, count: int | str) -> None:
+    """Write how many agents a kind has into its field."""
+    field = page.get_by_label(kind, exact=True)
+    field.fill(str(count))
+    field.press("Enter")
+
+
+@pytest.mark.parametrize("case", [one for one in CASES if "each" not in one])
+def test_another_number_of_agents_of_a_kind_begins_the_run_that_it_begins_here(opened, case):
+    """Also of none, and then again of some; what sliders say stays, and so does the seed."""
+    words, changes = CASES[case]
+    flock = Flock(rng=3, **words)
+    with opened(Flock(rng=3, **words)) as page:
+        for change in changes:
+            change.act(flock)
+            moved(page, change.slider, change.value)
+        for more in ((4, -100), (-100, 0), (0, 3)):
+            counts = [
+                max(0, kind.agents + by) for kind, by in zip(flock.kinds.kinds, more, strict=False)
+            ]
+            kinds = [
+                replace_kind(kind, agents=count)
+                for kind, count in zip(flock.kinds.kinds, counts, strict=True)
+            ]
+            for kind in kinds:
+                fill_count(page, kind.name, kind.agents)
+            until(lambda: page.evaluate("page.busy") == 0, 60, "the flock to begin")
+            numbers = dict(flock.parameters.model_dump()) | dict(flock.individuals)
+            anew = Flock(flock.spec.with_parameters(numbers, kinds=kinds, to=flock.kinds.to))
+            assert [len(anew.rows_of(kind.name)) for kind in kinds] == counts
+            for ticks in (0, 40):
+                anew.run(ticks)
+                demand_same(anew, page.evaluate(STATE, ticks))
+            demand_same_measures(anew, page)
+
+
+def test_a_page_of_a_kind_without_agents_takes_some(opened):
+    def flock(sharks: int) -> Flock:
+        kind = Kind("shark", sharks, v0=uniform(0.04, 0.06), to={"flock": chase(**HUNT)})
+        return Flock("vem", agents=60, rng=3, size=4.0, kinds=[kind])
+
+    with opened(flock(0)) as page:
+        assert page.locator("#legend").inner_text().split("\n") == ["flock 60", "shark 0"]
+        fill_count(page, "shark", 4)
+        until(lambda: page.evaluate("page.busy") == 0, 60, "the flock to begin")
+        anew = flock(4)
+        for ticks in (0, 60):
+            anew.run(ticks)
+            demand_same(anew, page.evaluate(STATE, ticks))
+        assert len(anew.catches)
+
+
+def test_a_page_says_how_many_agents_of_a_kind_it_takes(opened):
+    with opened(hunting()) as page:
+        labels = page.locator("#counts label").all_inner_texts()
+        assert [label.strip() for label in labels] == ["flock", "shark"]
+        limit = "20\u2009000"
+        assert find_violations_in_both_themes(page) == []
+        assert f"{limit} at most in all" in page.locator("#anew").inner_text()
+        for count, said in (
+            ("19941", f"20\u2009001 agents are too many: {limit} at most in all."),
+            ("1.5", f"shark: a whole number from 0 to {limit} agents."),
+            ("-1", f"shark: a whole number from 0 to {limit} agents."),
+            ("", f"shark: a whole number from 0 to {limit} agents."),
+        ):
+            fill_count(page, "shark", count)
+            until(lambda said=said: page.locator("#say").inner_text() == said, 60, "a refusal")
+            assert page.get_by_label("shark", exact=True).input_value() == "3"
+            assert page.evaluate("page.state.ids.length") == 63
+            page.click("#reset")
+        fill_count(page, "flock", 0)
+        said = f"flock: 1 to {limit}."
+        until(lambda: page.locator("#say").inner_text() == said, 60, "a refusal")
+
+
+def test_the_address_has_the_numbers_of_kinds(opened):
+    with opened(hunting()) as page:
+        fill_count(page, "shark", 5)
+        said = "#agents=60&seed=3&shark.agents=5"
+        until(lambda: page.evaluate("location.hash") == said, 60, "the address")
+        assert page.locator("#legend").inner_text().split("\n") == ["flock 60", "shark 5"]
+        page.reload()
+        until(lambda: page.evaluate("'page' in globalThis"), 60, "the flock to be there")
+        assert page.get_by_label("shark", exact=True).input_value() == "5"
+        assert page.evaluate("page.state.ids.length") == 65
+
+
+def test_a_flock_without_kinds_has_no_numbers_of_kinds(opened):
+    with opened(Flock("vem", agents=4, rng=1, eta=normal(0.5, 0.1))) as page:
+        assert page.locator("#counts").count() == 0
+        assert page.locator("#anew label").all_inner_texts() == ["Agents", "Seed"]
 
 
 def hunting() -> Flock:

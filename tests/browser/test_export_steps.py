@@ -313,6 +313,25 @@ def test_every_lesson_shows_in_its_page_what_it_says(lesson, name):
                 page.click("#step-next")
 
 
+def test_a_step_begins_with_as_many_of_a_kind_as_its_page(lesson):
+    scene = find_lesson("shepherd")
+    dogs = scene.spec.kinds[0].agents
+    with lesson(scene) as page:
+        field = page.get_by_label("dog", exact=True)
+        assert field.input_value() == str(dogs)
+        field.fill(str(dogs + 2))
+        field.press("Enter")
+        all_agents = scene.spec.agents + dogs
+        now = "page.state.ids.length"
+        until(lambda: page.evaluate(now) == all_agents + 2, 60, "more dogs")
+        while not page.locator("#step-prediction").is_visible():
+            page.click("#step-next")
+        page.locator("#step-answers input").first.check()
+        page.click("#step-run")
+        until(lambda: page.evaluate(now) == all_agents, 60, "the flock of the step")
+        assert field.input_value() == str(dogs)
+
+
 def test_a_step_says_whose_number_it_sets_and_sliders_of_a_kind_stay_below_its_name(lesson):
     with lesson(find_lesson("shepherd")) as page:
         below = "[...$('sliders').children].map((one) => one.matches('h2') ? one.textContent : '')"
