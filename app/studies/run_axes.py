@@ -8,6 +8,9 @@
 | `KIND.NAME`, `KIND.NAME.mean`, `KIND.NAME.spread` | a parameter of a kind alone |
 | `KIND.OTHER.weight`, also `radius`, `power`, `catch` | a number of a relation between two |
 
+A kind may go by a model of its own: then its parameters are those of that model. Functions that
+take the name of an axis take that model, which `AxisModels` has.
+
 See `agents.individuals` for the distributions and `agents.kinds` for the relations.
 """
 
@@ -15,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator
@@ -52,8 +56,55 @@ class RunAxis(NamedTuple):
     """Of a relation, the kind that it is about."""
 
 
+class AxisModels(NamedTuple):
+    """The models by which the agents of a run go: an axis is about a number of one of them."""
+
+    flock: str
+    kinds: Mapping[str, str] = MappingProxyType({})
+    """Of each kind with a model of its own, by its name."""
+
+    @classmethod
+    def of_run(cls, spec: Spec) -> AxisModels:
+        """Those of a run."""
+        return cls(spec.model, {kind.name: kind.model for kind in spec.kinds if kind.model})
+
+    @classmethod
+    def of_table(cls, run: Any) -> AxisModels:
+        """Those of a run as a file has it, whoever made that file; "" where it does not say one."""
+        table = run if isinstance(run, Mapping) else {}
+        flock, kinds = table.get("model"), table.get("kinds")
+        named = {
+            kind["name"]: kind["model"]
+            for kind in (kinds if isinstance(kinds, list) else ())
+            if isinstance(kind, Mapping)
+            and isinstance(kind.get("name"), str)
+            and isinstance(kind.get("model"), str)
+        }
+        return cls(flock if isinstance(flock, str) else "", named)
+
+    def of_axis(self, name: str) -> str:
+        """The model of the agents that an axis is about.
+
+        >>> models = AxisModels("vem", {"loner": "gregoire-chate"})
+        >>> models.of_axis("loner.eta"), models.of_axis("eta")
+        ('gregoire-chate', 'vem')
+        """
+        axis = read_axis(name, self.flock)
+        if not axis.kind and axis.item in fields_of(self.flock):
+            return self.flock
+        return self.kinds.get(axis.kind or axis.item, self.flock)
+
+
+def fields_of(model: str) -> Mapping[str, Any]:
+    """The fields of a model's parameters by name; none of a model that is unknown."""
+    found = catalogue.MODELS.get(model)
+    return found.parameters.model_fields if found else {}
+
+
 def read_axis(name: str, model: str = "") -> RunAxis:
-    """What an axis of that name is, in runs of a model; whether there is such a kind is not asked.
+    """What an axis of that name is, of agents of a model.
+
+    Whether there is such a kind is not asked.
 
     >>> read_axis("s.spread", "couzin").moment, read_axis("shark.s.mean", "couzin")[1:4]
     ('spread', ('s', 'mean', 'shark'))
@@ -63,9 +114,7 @@ def read_axis(name: str, model: str = "") -> RunAxis:
     first, *rest = name.split(".")
     if not rest:
         return RunAxis(name, name)
-    found = catalogue.MODELS.get(model)
-    known = found.parameters.model_fields if found else {}
-    last = rest[-1]
+    known, last = fields_of(model), rest[-1]
     if len(rest) == 1 and last in (MEAN, SPREAD) and (first in known or last not in known):
         return RunAxis(name, first, last)
     if len(rest) == 2 and last in (MEAN, SPREAD):
@@ -109,8 +158,8 @@ def spec_with(base: Spec, values: Mapping[str, Value | Distribution]) -> Spec:
     distribution.
     """
     options = {name: value for name, value in values.items() if name in OPTIONS or name == "model"}
-    model = str(options.get("model", base.model))
-    axes = [read_axis(name, model) for name in values if name not in options]
+    models = AxisModels.of_run(base)._replace(flock=str(options.get("model", base.model)))
+    axes = [read_axis(name, models.of_axis(name)) for name in values if name not in options]
     shared = {one.name: values[one.name] for one in axes if not one.moment and not one.kind}
     for axis in axes:
         whole = axis.name.removesuffix(f".{axis.moment}")
@@ -276,7 +325,7 @@ def value_of(spec: Spec, name: str) -> Any:
     """
     if name in OPTIONS:
         return getattr(spec, name)
-    axis = read_axis(name, spec.model)
+    axis = read_axis(name, AxisModels.of_run(spec).of_axis(name))
     if axis.kind:
         return value_of_kind(spec, axis)
     found: Distribution | None = spec.individuals.get(axis.item)
@@ -338,18 +387,15 @@ def moment_axes(item: str, own: Distribution | None, kind: str = "") -> Iterator
 
 
 def kind_axes(spec: Spec) -> Iterator[RunAxis]:
-    """The axes over numbers of a run's kinds: agents, parameters, then relations.
-
-    Of a kind that goes by a model of its own without its parameters, which the flock's model does
-    not declare.
-    """
+    """The axes over numbers of a run's kinds: agents, parameters, then relations."""
     table = kind_table(spec.kinds, spec.to)
-    can_differ = catalogue.model(spec.model).individual
     for kind in table.kinds:
         yield RunAxis(f"{kind.name}.{AGENTS}", AGENTS, "", kind.name)
-        for one in number_parameters(spec.model):
-            own = kind.parameters.get(one.name, spec.individuals.get(one.name))
-            if one.name in can_differ and not kind.model:
+        model = model_of_kind(spec, table, kind.name)
+        shared = {} if kind.model else spec.individuals
+        for one in number_parameters(model.name):
+            own = kind.parameters.get(one.name, shared.get(one.name))
+            if one.name in model.individual:
                 drawn = own if isinstance(own, Distribution) else None
                 yield from moment_axes(one.name, drawn, kind.name)
     for (name, other), relation in table.relations.items():

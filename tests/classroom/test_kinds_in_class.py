@@ -73,6 +73,29 @@ def test_the_form_has_the_numbers_of_kinds_and_every_one_can_be_asked():
         assert made.value_of(made.with_value(SCENE, values[1])) == values[1]
 
 
+def test_a_question_is_about_a_number_of_the_model_of_a_kind(tmp_path):
+    """With its range, its unit and its words, also from a file; and a run of it is handed in."""
+    loner = Kind("loner", 4, model="gregoire-chate", v0=0.05, to={"flock": "own"})
+    scene = SCENE.with_values(kinds=[loner])
+    asked = {"parameter": "loner.eta", "values": [0.2, 0.8], "measure": {"observe": "polarisation"}}
+    choice = next(one for one in parameters_of(scene) if one.name == "loner.eta")
+    assert (choice.high, choice.unit, choice.title) == (1.0, "1", "loner: noise")
+    made = question_of(VALUES | asked, scene)
+    assert (made.unit, made.parameter_words) == ("1", "loner: noise")
+    assert made.with_value(scene, 0.8).kinds[0].parameters == {"v0": 0.05, "eta": 0.8}
+    assert question_of(json.loads(json.dumps(made.to_values())), scene) == made
+    assert question_from_toml(made.to_toml(), scene, "q.toml") == made
+    with pytest.raises(InputError, match=r"loner.eta = 2 is not in \[0, 1\]"):
+        question_of(VALUES | asked | {"values": [0.2, 2.0]}, scene)
+    with pytest.raises(InputError, match="_kind_models"):
+        question_of(VALUES | asked | {"_kind_models": {}}, scene)
+    point = hand_in(made, "Ada", made.with_value(scene, 0.2), scene, WHEN)
+    assert (point.value, point.status, point.differs) == (0.2, "ok", ())
+    (tmp_path / "s.toml").write_text(CurveAsked(made, scene, runs=2).to_toml())
+    cells = read_sweep(tmp_path / "s.toml").cells
+    assert [cell.axes for cell in cells] == [{"loner.eta": 0.2}, {"loner.eta": 0.8}]
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [

@@ -27,6 +27,7 @@ from app.studies.charts.run_group import CellRuns, values_of
 from app.studies.charts.value_map import draw_map, place_cells
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary
+from app.studies.run_axes import AxisModels
 from app.studies.sensitivity.sensitivity_api import index_limits
 from app.studies.sensitivity.sensitivity_result import Index, Influence, Sensitivity
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep
@@ -54,7 +55,9 @@ def drawn_sweep(groups, name="sweep", column="polarisation", axis="eta"):
     axes = {axis: values_of(groups, axis)}
     if "v0" in groups[0].axes:
         axes["v0"] = values_of(groups, "v0")
-    return DrawnSweep(name, "vem", axes, (column,), column, dict(enumerate(groups, 1)), 10)
+    return DrawnSweep(
+        name, AxisModels("vem"), axes, (column,), column, dict(enumerate(groups, 1)), 10
+    )
 
 
 def page_of(draw):

@@ -15,7 +15,16 @@ from agents.individuals import normal, uniform
 from agents.kinds import Kind, chase, flee, kind_table
 from agents.spec import Spec
 from app.studies.optimisation.study import read_study
-from app.studies.run_axes import flatten_axes, numeric_axes, read_axis, spec_with, value_of
+from app.studies.run_axes import (
+    AxisModels,
+    allowed_span,
+    axis_unit,
+    flatten_axes,
+    numeric_axes,
+    read_axis,
+    spec_with,
+    value_of,
+)
 from app.studies.sweeps.checked_sweep import read_sweep
 from app.studies.sweeps.sweep_api import sweep
 from app.studies.sweeps.sweep_file import Condition
@@ -128,9 +137,36 @@ def test_a_kind_by_a_model_of_its_own_has_that_models_numbers():
     assert value_of(spec, f"loner.{only}") == fields[only].default
     with pytest.raises(InputError, match=r"loner.p2: unknown parameter 'p2'"):
         spec_with(spec, {"loner.p2": 3.0})
+    names = [axis.name for axis in numeric_axes(spec)]
+    individual = MODELS["gregoire-chate"].individual
+    assert names[names.index("loner.agents") + 1 :] == [f"loner.{name}" for name in individual]
+    for name in names[names.index("loner.agents") :]:
+        value = value_of(spec, name)
+        assert value_of(spec_with(spec, {name: value}), name) == value
+    drawn = [axis.name for axis in numeric_axes(made)]
+    assert {"loner.eta.mean", "loner.eta.spread"} < {*drawn}
+    assert value_of(made, "loner.eta.spread") == 0.1
+
+
+def test_what_the_flock_draws_is_no_number_of_a_kind_by_a_model_of_its_own():
+    loner = Kind("loner", 5, model="gregoire-chate")
+    spec = Spec("vem", agents=12, kinds=[loner], individuals={"v0": normal(0.03, 0.01)})
     names = {axis.name for axis in numeric_axes(spec)}
-    assert "loner.agents" in names
-    assert "loner.v0" not in names
+    assert {"v0.mean", "v0.spread", "loner.v0"} < names
+    assert "loner.v0.spread" not in names
+    assert isinstance(value_of(spec, "loner.v0"), float)
+
+
+def test_an_axis_goes_by_the_model_of_its_agents():
+    """Its range, its unit, and whether `spread` is a parameter of it."""
+    models = AxisModels("vem", {"loner": "gregoire-chate", "slow": "pedestrian"})
+    assert models.of_axis("eta") == models.of_axis("agents") == models.of_axis("shark.eta") == "vem"
+    assert models.of_axis("loner.eta.spread") == models.of_axis("loner.agents") == "gregoire-chate"
+    assert models.of_axis("slow.spread") == models.of_axis("slow.spread.mean") == "pedestrian"
+    for name, high, unit in (("eta", 6.2832, "rad"), ("loner.eta", 1.0, "1")):
+        model = models.of_axis(name)
+        assert allowed_span(model, name, 10) == (0.0, pytest.approx(high, abs=1e-4))
+        assert axis_unit(model, name) == unit
 
 
 def test_a_kind_and_a_parameter_of_one_name_are_told_apart():

@@ -13,17 +13,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from cli.calling import call
 
 from agents.flock import Flock
 from agents.individuals import normal
-from agents.kinds import Kind, chase, flee, kind_table
+from agents.kinds import Kind, chase, flee, kind_table, replace_kind
 from app.studies.charts.run_group import CellRuns
-from app.studies.run_axes import AGENTS
+from app.studies.run_axes import AGENTS, AxisModels
 from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_locked
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC, STOP
 from app.studies.sweeps.checked_sweep import read_sweep
+from app.studies.sweeps.sweep_api import sweep
 from app.studies.sweeps.sweep_table import wide_table
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
@@ -36,7 +38,7 @@ from app.viewer.lab.sweeps.stored_sweeps import (
     scene_of,
     typical,
 )
-from app.viewer.lab.sweeps.sweep_chart import picture
+from app.viewer.lab.sweeps.sweep_chart import name_axis, picture
 from app.viewer.lab.sweeps.sweep_request import (
     MOST_CELLS,
     Axis,
@@ -348,7 +350,9 @@ def test_a_store_of_anything_else_is_no_sweep_and_a_broken_one_is_said(tmp_path)
 
 
 def drawn(axes: dict, cells: dict[int, CellRuns]) -> str:
-    return picture(DrawnSweep("a<b", "vem", axes, ("polarisation",), "polarisation", cells, 10))
+    return picture(
+        DrawnSweep("a<b", AxisModels("vem"), axes, ("polarisation",), "polarisation", cells, 10)
+    )
 
 
 def test_a_curve_marks_what_has_no_value_and_says_its_names_safely():
@@ -418,6 +422,71 @@ def test_a_sweep_from_the_page_has_the_kinds_of_the_flock(tmp_path):
     assert asked.name == "vem-shark.agents-shark.flock.weight"
 
 
+LONERS = preset_spec(
+    "vem", agents=9, kinds=[Kind("loner", 4, model="gregoire-chate", v0=0.05, to={"flock": "own"})]
+)
+"""The noise of `gregoire-chate` goes up to 1, that of `vem` up to 2 pi."""
+
+
+def test_a_sweep_from_the_page_takes_numbers_of_a_model_of_a_kind(tmp_path):
+    asked = SweepRequest(LONERS, [Axis("loner.eta", 0.0, 1.0, 3)], "polarisation", 2, 10)
+    (tmp_path / SPEC).write_text(asked.to_toml())
+    made = read_sweep(tmp_path / SPEC)
+    assert [cell.spec.kinds for cell in made.cells] == [
+        (replace_kind(LONERS.kinds[0], parameters={"v0": 0.05, "eta": eta}),)
+        for eta in (0.0, 0.5, 1.0)
+    ]
+    with pytest.raises(InputError, match=r"loner.eta = 2 is not in \[0, 1\]"):
+        replace(asked, axes=[Axis("loner.eta", 0.0, 2.0, 2)]).values()
+    replace(asked, axes=[Axis("eta", 0.0, 2.0, 2)]).values()
+
+
+def test_the_form_offers_the_numbers_of_a_model_of_a_kind(laboratory):
+    """With the range and the unit of that model, also where the kind then goes by another one."""
+    form = laboratory.sweep.first
+    form.count.value = 9
+    laboratory.simulation.setup(LONERS)
+    until(lambda: "loner: noise η" in form.over.options)
+    titles = {name: title for title, name in form.names.items()}
+    assert titles["loner.v0"] == "loner: speed v₀, length/tick"
+    assert titles["loner.eta"] == "loner: noise η"
+    until(lambda: "loner.v0" in laboratory.sweep.place.content)  # a mark at its slider
+    assert form.choose("loner.eta")
+    assert (form.low.max, form.high.max) == (1.0, 1.0)
+    assert form.axis() == Axis("loner.eta", 0.0, 1.0, 9)
+    until(lambda: "9 × " in laboratory.sweep.said.content)
+    assert form.choose("loner.v0")
+    assert form.axis() == Axis("loner.v0", 0.0, 1.0, 9)
+    kinds = [replace_kind(LONERS.kinds[0], model="vicsek1995")]
+    laboratory.simulation.setup(LONERS.with_values(kinds=kinds))
+    until(lambda: "loner: noise η, rad" in form.over.options)
+    until(lambda: form.axis() == Axis("loner.v0", 0.0, 0.2, 9))
+
+
+def test_a_stored_sweep_is_drawn_with_the_numbers_of_a_model_of_a_kind(tmp_path):
+    sweep(
+        LONERS,
+        vary={"loner.eta": [0.2, 0.4]},
+        runs=1,
+        ticks=5,
+        observe=["polarisation"],
+        folder=tmp_path,
+        workers=1,
+    )
+    drawn = read_drawn_sweep(tmp_path)
+    assert drawn.models == AxisModels("vem", {"loner": "gregoire-chate"})
+    assert name_axis(drawn, "loner.eta") == "loner: noise η"
+    shown = call("sweep", "show", tmp_path)
+    assert "loner.eta: eta of loner\n" in shown.stdout
+
+
+@pytest.mark.parametrize(
+    "run", [None, [], {}, {"model": 3, "kinds": {"a": 1}}, {"kinds": ["a", {}]}]
+)
+def test_a_store_that_says_no_models_has_none(run):
+    assert AxisModels.of_table(run) == AxisModels("", {})
+
+
 def test_the_agents_of_kinds_count_towards_what_may_be_begun():
     swept = SweepRequest(HUNT, [Axis("shark.agents", 0, 2_991, 2)], "polarisation", 1, 10)
     swept.values()
@@ -472,4 +541,4 @@ def test_the_form_offers_what_the_kinds_of_the_flock_have(laboratory):
     assert (form.axis().name, form.axis().high) == ("shark.agents", 3.0)
     laboratory.simulation.setup(SPEC_OF)
     until(lambda: "shark.agents" not in form.names.values())
-    until(lambda: form.axis().name == "eta")
+    until(lambda: (axis := form.axis()) is not None and axis.name == "eta")

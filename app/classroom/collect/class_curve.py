@@ -202,7 +202,7 @@ class CurveAsked:
             (low, high), now = allowed(question.model, AGENTS), question.value_of(self.scene)
             low, high = max(low, now / 4), min(high, 4 * now)
         else:
-            axis = read_axis(question.parameter, question.model)
+            axis = read_axis(question.parameter, question.model_of(question.parameter))
             low, high = proposed_span(self.scene, axis, look_radius(self.scene))
         made = spread(low, high, VALUES, question.is_whole, log=0.0 < TENFOLD * low <= high)
         return [round(one) if question.is_whole else one for one in made]

@@ -218,7 +218,7 @@ class Collection:
         results += [group.mean for group in groups]
         ends = [end for group in groups for end in group.summary.interval]
         log = self.is_log([group.value for group in curve])
-        along = parameter_bounds(question.model, question.parameter)
+        along = parameter_bounds(question.model_of(question.parameter), question.parameter)
         up = column_bounds(question.column)
         return parameter_limits(places, along, log), measure_limits(results, up, ends)
 

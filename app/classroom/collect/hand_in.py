@@ -177,13 +177,15 @@ def as_meant(question: Question, scene: CompleteSpec, spec: CompleteSpec, seed: 
     `spec`: their run. What they may change of kinds beside that is as they have it.
     """
     meant = question.begun_scene(scene).with_values(seed=seed)
-    axes = [read_axis(name, question.model) for name in question.open]
+    axes = [read_axis(name, question.model_of(name)) for name in question.open]
     names = [axis.name for axis in axes if axis.kind or axis.moment]
     if question.parameter == AGENTS or question.parameter in meant.parameters:
         names.append(question.parameter)
     values = {name: question.value_of(spec, name) for name in names}
     whole = {
-        name: round(value) for name, value in values.items() if is_whole_axis(spec.model, name)
+        name: round(value)
+        for name, value in values.items()
+        if is_whole_axis(question.model_of(name), name)
     }
     meant = with_axes(meant, values | whole)
     return RunIdentity.of(Flock(meant))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tomlkit
-from pydantic import ConfigDict, Field, ValidationError, model_validator
+from pydantic import ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
 from agents.catalogue import FILES, MODELS
 from agents.engine.heeding import MOST_KINDS
@@ -21,6 +21,7 @@ from agents.spec import CompleteSpec, Spec
 from app.classroom.collect.run_cost import MOST_TICKS, demand_cheap
 from app.strict_table import StrictTable
 from app.studies.run_axes import (
+    AxisModels,
     axis_parameter,
     axis_unit,
     is_whole_axis,
@@ -105,6 +106,12 @@ class Question(StrictTable):
     all have all sliders."""
     counts: Literal["last", "all"] = "last"
     """Of what a student hands in several times: the last result, or all."""
+    _kind_models: dict[str, str] = PrivateAttr(default_factory=dict)
+    """Of each kind of the scene with a model of its own; `question_of` finds them."""
+
+    def model_of(self, name: str) -> str:
+        """The model of the agents that an axis is about."""
+        return AxisModels(self.model, self._kind_models).of_axis(name)
 
     @property
     def making(self) -> SweepJob:
@@ -123,18 +130,18 @@ class Question(StrictTable):
     @property
     def declared(self) -> DeclaredParameter | None:
         """The parameter as its model declares it; None for agents and numbers of a relation."""
-        return axis_parameter(self.model, self.parameter)
+        return axis_parameter(self.model_of(self.parameter), self.parameter)
 
     @property
     def parameter_words(self) -> str:
         """What is varied, for people."""
         words = "agents" if self.declared is None else self.declared.words
-        return axis_title(self.model, self.parameter, words).partition(",")[0]
+        return axis_title(self.model_of(self.parameter), self.parameter, words).partition(",")[0]
 
     @property
     def symbol(self) -> str:
         """Of what is varied, as text."""
-        return axis_symbol(self.model, self.parameter)
+        return axis_symbol(self.model_of(self.parameter), self.parameter)
 
     @property
     def unit(self) -> str:
@@ -170,7 +177,7 @@ class Question(StrictTable):
     @property
     def is_whole(self) -> bool:
         """Whether the parameter has whole numbers only."""
-        return is_whole_axis(self.model, self.parameter)
+        return is_whole_axis(self.model_of(self.parameter), self.parameter)
 
     @property
     def open(self) -> tuple[str, ...]:
@@ -181,12 +188,14 @@ class Question(StrictTable):
         """The value of the parameter in a run, or of a free one. Raises InputError without it, or
         where agents differ in it."""
         name = name or self.parameter
-        axis = read_axis(name, self.model)
-        is_own = axis_parameter(self.model, name) is not None
-        if is_own and axis_parameter(spec.model, name) is None:
+        model = self.model_of(name)
+        axis = read_axis(name, model)
+        is_own = axis_parameter(model, name) is not None
+        theirs = AxisModels.of_run(spec).of_axis(name)
+        if is_own and axis_parameter(theirs, name) is None:
             raise InputError(
-                f"{name} is what the class is asked about, and {spec.model} has no such parameter: "
-                f"take {self.model}"
+                f"{name} is what the class is asked about, and {theirs} has no such parameter: "
+                f"take {model}"
             )
         value = value_of(spec, name)
         if isinstance(value, str):
@@ -198,7 +207,7 @@ class Question(StrictTable):
 
     def unit_of(self, name: str) -> str:
         """The unit of a parameter by name; 1 for a pure number."""
-        return axis_unit(self.model, name)
+        return axis_unit(self.model_of(name), name)
 
     def value_text(self, value: float) -> str:
         """A value of the parameter with its unit, for people."""
@@ -208,7 +217,7 @@ class Question(StrictTable):
     def moves_kinds(self) -> bool:
         """Whether students move numbers of kinds, for which they need sliders."""
         chosen = [*self.free, *([] if self.values else [self.parameter])]
-        axes = (read_axis(name, self.model) for name in chosen)
+        axes = (read_axis(name, self.model_of(name)) for name in chosen)
         return bool(self.kinds) or any(axis.kind or axis.moment for axis in axes)
 
     def begun_scene(self, scene: CompleteSpec) -> CompleteSpec:
@@ -285,14 +294,15 @@ def question_from_toml(text: str, scene: CompleteSpec, origin: str) -> Question:
 def fitted(made: Question, scene: CompleteSpec) -> Question:
     """A question whose names, ranges and costs are those of a scene. Raises InputError."""
     title = clean_title(made.title)
-    low, high = allowed(made.model, made.parameter)
+    made._kind_models |= AxisModels.of_run(scene).kinds
+    low, high = allowed(made.model_of(made.parameter), made.parameter)
     for value in made.values:
         if not low <= value <= high:
             raise InputError(f"values: {made.parameter} = {value:g} is not in [{low:g}, {high:g}]")
         if made.is_whole and value != math.floor(value):
             raise InputError(f"values: {made.parameter} = {value:g} is not a whole number")
     for name in made.free:
-        allowed(made.model, name)
+        allowed(made.model_of(name), name)
         if made.free.count(name) > 1 or name == made.parameter:
             raise InputError(f"free: {name} is there twice")
     demand_played(made, scene)

@@ -20,6 +20,7 @@ from app.classroom.collect.question import Question, question_of
 from app.classroom.collect.run_cost import look_radius
 from app.studies.run_axes import (
     AGENTS,
+    AxisModels,
     RunAxis,
     axis_parameter,
     axis_unit,
@@ -91,18 +92,19 @@ def has_number(spec: CompleteSpec, axis: RunAxis) -> bool:
 
 def chosen(spec: CompleteSpec, axis: RunAxis) -> ParameterChoice:
     """What a question may be about, as a form has it."""
-    low, high = allowed(spec.model, axis.name)
-    one, whole = axis_parameter(spec.model, axis.name), is_whole_axis(spec.model, axis.name)
+    model = AxisModels.of_run(spec).of_axis(axis.name)
+    low, high = allowed(model, axis.name)
+    one, whole = axis_parameter(model, axis.name), is_whole_axis(model, axis.name)
     if axis.name == AGENTS:
         around = max(10.0, spec.agents / 4), min(high, 4.0 * spec.agents)
         suggested = spread(*around, count=5, whole=True, log=True)
     else:
         least, most = proposed_span(spec, axis, look_radius(spec))
         suggested = spread(least, most, SUGGESTED, whole, is_wide(least, most))
-    symbol = axis_symbol(spec.model, axis.name)
+    symbol = axis_symbol(model, axis.name)
     words = "Agents" if one is None else one.words
-    title = axis_title(spec.model, axis.name, words).partition(",")[0]
-    unit, now = axis_unit(spec.model, axis.name), float(value_of(spec, axis.name))
+    title = axis_title(model, axis.name, words).partition(",")[0]
+    unit, now = axis_unit(model, axis.name), float(value_of(spec, axis.name))
     return ParameterChoice(axis.name, title, symbol, unit, low, high, whole, now, suggested)
 
 

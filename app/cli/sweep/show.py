@@ -133,10 +133,11 @@ def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
 def describe_axes(reader: StoreReader, axes: list[str]) -> Iterator[str]:
     """What each axis is that is no plain option or parameter, with its unit."""
     from app.studies.run_axes import axis_label
-    from app.studies.sweeps.sweep_table import model_of
+    from app.studies.sweeps.sweep_table import models_of
 
+    models = models_of(reader)
     for axis in axes:
-        label = axis_label(model_of(reader), axis)
+        label = axis_label(models.of_axis(axis), axis)
         if label:
             yield f"{axis}: {label}"
 

@@ -15,7 +15,7 @@ from agents.spec import LARGEST_SEED, Spec
 from app.strict_table import Line, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.key_lines import KeyLocations, name_in_refusal
-from app.studies.run_axes import ByAxis, read_axis, spec_with, value_of
+from app.studies.run_axes import AxisModels, ByAxis, read_axis, spec_with, value_of
 from app.studies.search import Algorithm, demand_package
 from app.studies.sweeps.checked_sweep import (
     Sweep,
@@ -410,7 +410,7 @@ def default_of(first: Variant, file: OptimisationFile) -> Point:
             raise InputError(
                 f"axis {name!r} is not allowed: it is no parameter or option ({where})"
             )
-        axis = read_axis(name, cell.spec.model)
+        axis = read_axis(name, AxisModels.of_run(cell.spec).of_axis(name))
         if axis.moment or axis.kind:
             values[name] = number_of(cell.spec, name, where)
         if name not in values:

@@ -31,7 +31,7 @@ from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_table import (
     groups_of,
     measured_columns,
-    model_of,
+    models_of,
     places_of,
     spec_at,
 )
@@ -114,11 +114,11 @@ class SweepChart:
 
     def axis_bounds(self, axis: str) -> MeasureBounds:
         """Of an axis of the sweep, by the model that is run."""
-        return parameter_bounds(model_of(self.kept), axis)
+        return parameter_bounds(models_of(self.kept).of_axis(axis), axis)
 
     def name_axis(self, put: Callable[..., Any], axis: str) -> None:
         """Name an axis of the sweep along an axis of the picture, which `put` labels."""
-        label = axis_label(model_of(self.kept), axis, mathtext_symbol)
+        label = axis_label(models_of(self.kept).of_axis(axis), axis, mathtext_symbol)
         if label:
             put(label, parse_math=True)
         else:
@@ -163,7 +163,7 @@ class SweepChart:
         panels = list(self.figure.subplots(1, across, squeeze=False)[0])
         mark_missing(panels[0], self.groups, x)
         draw_scaling(panels, self.name, lines, cumulants, x, by, self.axis_bounds(x))
-        if axis_label(model_of(self.kept), x):
+        if axis_label(models_of(self.kept).of_axis(x), x):
             for panel in panels[: 1 + bool(cumulants)]:
                 self.name_axis(panel.set_xlabel, x)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from agents.spec import Spec
 from app.studies.charts.run_group import CellRuns
-from app.studies.run_axes import spec_with
+from app.studies.run_axes import AxisModels, spec_with
 from app.studies.runs.database import BROKEN, FIXED
 from app.studies.runs.store import is_locked
 from app.studies.runs.store_reader import StoreReader
@@ -123,17 +123,18 @@ def axes_of(reader: StoreReader) -> list[str]:
     return axes
 
 
-def model_of(reader: StoreReader) -> str:
-    """The model that all cells run; "" where they run several, or where a file does not say it."""
-    models = {model_of_cell(cell) for cell in reader.cells.values()}
-    return models.pop() if len(models) == 1 else ""
+def models_of(reader: StoreReader) -> AxisModels:
+    """The models that all cells run; "" for flocks of several, or where a file does not say it."""
+    tables = [models_of_cell(cell) for cell in reader.cells.values()]
+    flocks = {models.flock for models in tables}
+    kinds = {name: model for models in tables for name, model in models.kinds.items()}
+    return AxisModels(flocks.pop() if len(flocks) == 1 else "", kinds)
 
 
-def model_of_cell(cell: Any) -> str:
-    """The model of a cell as a file has it, whoever made that file; "" where it has none."""
-    for key in ("identity", "spec", "model"):
-        cell = cell.get(key) if isinstance(cell, dict) else None
-    return cell if isinstance(cell, str) else ""
+def models_of_cell(cell: Any) -> AxisModels:
+    """The models of a cell as a file has it, whoever made that file."""
+    identity = cell.get("identity") if isinstance(cell, dict) else None
+    return AxisModels.of_table(identity.get("spec") if isinstance(identity, dict) else None)
 
 
 def places_of(reader: StoreReader) -> dict[int, int]:

@@ -21,6 +21,8 @@ from app.front.viser_internals import identifier
 from app.studies.run_axes import (
     AGENTS,
     MEAN,
+    AxisModels,
+    RunAxis,
     axis_parameter,
     is_whole_axis,
     number_parameters,
@@ -64,7 +66,7 @@ class AxisForm:
 
     def __init__(self, gui: viser.GuiApi, label: str, count: int, none: bool, hint: str):
         self.names: dict[str, str] = {}
-        self.model = ""
+        self.models = AxisModels("")
         self.ranges: dict[str, tuple[float, float]] = {}
         self.none = none
         self.over = gui.add_dropdown(label, (NOTHING,), hint=hint)
@@ -81,9 +83,11 @@ class AxisForm:
 
         `reach`: how far its rule looks, length.
         """
-        before, self.model = self.model, spec.model
+        before, self.models = self.models, AxisModels.of_run(spec)
         axes = numeric_axes(spec)
-        self.names = {axis_title(spec.model, axis.name): axis.name for axis in axes}
+        self.names = {
+            axis_title(self.models.of_axis(axis.name), axis.name): axis.name for axis in axes
+        }
         self.ranges = {axis.name: proposed_span(spec, axis, reach) for axis in axes}
         options = ((NOTHING,) if self.none else ()) + tuple(self.names)
         chosen = self.over.value
@@ -91,7 +95,9 @@ class AxisForm:
             noises = [one.name for one in number_parameters(spec.model) if one.noise]
             first = [title for title, name in self.names.items() if name in noises]
             chosen = (options if self.none else first or options)[0]
-        is_other = before != spec.model or self.over.value != chosen
+        name = self.names.get(chosen, "")
+        is_other_model = before.of_axis(name) != self.models.of_axis(name)
+        is_other = is_other_model or self.over.value != chosen
         self.over.options = options
         set_value(self.over, chosen)
         if is_other:
@@ -118,7 +124,8 @@ class AxisForm:
             set_visible(handle, name is not None)
         if name is None:
             return
-        low, high = allowed(self.model, name)
+        model = self.models.of_axis(name)
+        low, high = allowed(model, name)
         first, last = self.ranges[name]
         step, precision = self.step_of(name, last)
         for control, value in ((self.low, first), (self.high, last)):
@@ -126,14 +133,15 @@ class AxisForm:
             control.step, control.precision = step, precision
             set_value(control, float(value))
         set_value(self.log, is_wide(first, last))
-        if is_whole_axis(self.model, name):
+        if is_whole_axis(model, name):
             set_value(self.count, min(self.count.value, max(2, int(last - first) + 1)))
 
     def step_of(self, name: str, last: float) -> tuple[float, int]:
         """The step of an axis up to `last`, and how many decimals it needs."""
-        if is_whole_axis(self.model, name):
+        model = self.models.of_axis(name)
+        if is_whole_axis(model, name):
             return 1, 0
-        found = axis_parameter(self.model, name)
+        found = axis_parameter(model, name)
         if found is not None:
             return step_of(found), decimals(found)
         places = max(0, 2 - math.floor(math.log10(max(last, 1e-9))))
@@ -157,8 +165,8 @@ class SweepPanel:
     sweeps: Sweeps
     simulation: Simulation
     tell: Callable[[str], None]
-    offered: tuple[str, ...] = ()
-    """The model, and the axes that can be chosen."""
+    offered: tuple[AxisModels, list[RunAxis]] | None = None
+    """The models of the run, and the axes that can be chosen."""
     observed: dict[str, str] = field(default_factory=dict)
     """What can be measured, words -> name."""
     busy: bool = False
@@ -318,12 +326,12 @@ class SweepPanel:
         """Let be chosen what a run has: an axis that it still has stays as it is."""
         model, spec = state.spec.model, state.current_specs()[0]
         if model not in PLAYED:
-            axes = model, *(axis.name for axis in numeric_axes(spec))
+            axes = AxisModels.of_run(spec), numeric_axes(spec)
             if axes != self.offered:
                 frame = self.simulation.frame
                 for form in (self.first, self.second):
                     form.offer(spec, 1.0 if frame is None else frame.reach)
-                if self.offered[:1] != axes[:1]:
+                if self.offered is None or self.offered[0].flock != model:
                     self.observed = {}
                 self.offered = axes
         observed = {

@@ -14,6 +14,7 @@ from agents.flock_world import find_world
 from app.strict_table import Value
 from app.studies.charts.axis_limits import observable_of
 from app.studies.charts.run_group import CellRuns, is_number
+from app.studies.run_axes import AxisModels
 from app.studies.runs.database import FILE
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC
@@ -68,7 +69,8 @@ class DrawnSweep:
     """What is drawn of a sweep: its cells with their runs, by their places in the plan."""
 
     name: str
-    model: str
+    models: AxisModels
+    """Of its runs."""
     axes: dict[str, list[Value]]
     """What it is swept over, each with its values in order."""
     columns: tuple[str, ...]
@@ -125,7 +127,7 @@ def read_drawn_sweep(folder: Path, column: str | None = None) -> DrawnSweep:
         found |= {places[group.number]: group for group in groups_of(kept, name)[1]}
     return DrawnSweep(
         folder.name,
-        str(tomllib.loads(state["base"])["model"]),
+        AxisModels.of_table(tomllib.loads(state["base"])),
         {axis: values for axis, values in axes.items() if len(values) > 1},
         tuple(columns),
         name,

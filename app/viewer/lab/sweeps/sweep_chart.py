@@ -76,7 +76,7 @@ def draw_curve(shown: DrawnSweep, axis: str) -> str:
         bounds = column_bounds(shown.column)
         if numeric:
             places = [float(value) for value in values]
-            along = parameter_bounds(shown.model, axis)
+            along = parameter_bounds(shown.models.of_axis(axis), axis)
             fit_axes(chart, places, groups, along, bounds, with_runs)
         else:
             name_ticks(chart.set_xticks, [shorten_name(few_of(v)) for v in values], LABELS, 0.0)
@@ -175,7 +175,7 @@ def describe_marks(shown: DrawnSweep) -> str:
 
 def name_axis(shown: DrawnSweep, axis: str) -> str:
     """An axis as its slider is called."""
-    title = axis_title(shown.model, axis)
+    title = axis_title(shown.models.of_axis(axis), axis)
     return shorten_name(title) if title == axis else title
 
 
@@ -184,7 +184,7 @@ def name_measure(shown: DrawnSweep) -> str:
     name = observable_of(shown.column)
     if not name:
         return shorten_name(observable_words(shown.column))
-    models = [MODELS[shown.model]] if shown.model in MODELS else []
+    models = [MODELS[shown.models.flock]] if shown.models.flock in MODELS else []
     over = shown.column.partition("-over-")[2]
     return observable_title(name, models) + (f", last {over} ticks" if over else "")
 

@@ -20,6 +20,7 @@ from app.studies.run_axes import (
     AGENTS,
     MEAN,
     SPREAD,
+    AxisModels,
     RunAxis,
     allowed_span,
     axis_parameter,
@@ -99,8 +100,9 @@ class Axis:
     log: bool = False
 
     def values(self, model: str) -> list[Any]:
-        """Each once, rising or falling, round to two figures of their distance. Raises
-        InputError.
+        """Each once, rising or falling, round to two figures of their distance.
+
+        `model`: of the agents that the axis is about. Raises InputError.
 
         >>> Axis("eta", 1.0, 5.0, 7).values("vem")
         [1.0, 1.67, 2.33, 3.0, 3.67, 4.33, 5.0]
@@ -175,6 +177,7 @@ class SweepRequest:
     def grid(self) -> dict[str, list[Any]]:
         """The axes with their values, all that is asked for within bounds. Raises InputError."""
         grid: dict[str, list[Any]] = {}
+        models = AxisModels.of_run(self.spec)
         for axis in self.axes:
             if axis.name in grid:
                 raise InputError(f"{axis.name} cannot be both axes of a map")
@@ -183,7 +186,7 @@ class SweepRequest:
                     f"{axis.name} = {self.spec.individuals[axis.name]} differs from agent to agent "
                     f"and is an axis: sweep {axis.name}.{MEAN} and {axis.name}.{SPREAD}"
                 )
-            grid[axis.name] = axis.values(self.spec.model)
+            grid[axis.name] = axis.values(models.of_axis(axis.name))
         one = OBSERVABLES.get(self.observable)
         if one is None or one.is_table:
             raise unknown("observable", self.observable, OBSERVABLES)
@@ -261,8 +264,9 @@ def allowed(model: str, name: str) -> tuple[float, float]:
 
 def proposed_span(spec: Spec, axis: RunAxis, reach: float) -> tuple[float, float]:
     """The part of an axis where something is to be seen; `reach`: of the rule, length."""
-    low, high = allowed(spec.model, axis.name)
-    found = axis_parameter(spec.model, axis.name)
+    model = AxisModels.of_run(spec).of_axis(axis.name)
+    low, high = allowed(model, axis.name)
+    found = axis_parameter(model, axis.name)
     if axis.item == AGENTS and not axis.kind:
         agents = MODELS[spec.model].agents
         first, last = max(1.0, agents / 4), 2.0 * agents
