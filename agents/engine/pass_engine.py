@@ -9,15 +9,12 @@ much, unless few act: most of it is the sort, and who has no relation meets nobo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 
-from agents.engine.arrays import NEVER, Arrays, Context, EngineStopCondition
-from agents.engine.pairs.pair_runner import PairEngine
-from agents.engine.runner import UNTRACED, SequentialEngine, SynchronousEngine
-from worlds.queries.surroundings import Surroundings
+from agents.engine.arrays import Arrays, Context
+from agents.engine.runner import Engine, LoopEngine
 
 MOVING = ("position", "heading", "speed", "leg")
 """The arrays that a pass changes."""
@@ -28,7 +25,7 @@ class ModelPass(NamedTuple):
 
     number: int
     """Of the kind."""
-    engine: SynchronousEngine | PairEngine | SequentialEngine
+    engine: LoopEngine
     """It works on a copy of what moves."""
     context: Context
 
@@ -38,26 +35,17 @@ def copy_moving(arrays: Arrays) -> Arrays:
     return arrays._replace(**{name: getattr(arrays, name).copy() for name in MOVING})
 
 
-class PassEngine:
+class PassEngine(Engine):
     """Synchronous activation of a flock of several models: a pass of the flock's, and of each."""
 
     def __init__(
         self,
-        first: SynchronousEngine | PairEngine | SequentialEngine,
+        first: LoopEngine,
         arrays: Arrays,
         passes: Sequence[ModelPass],
     ):
         self.first, self.arrays, self.passes = first, arrays, tuple(passes)
-
-    @property
-    def module(self) -> ModuleType:
-        """The compiled loop of the flock's own model."""
-        return self.first.module
-
-    @property
-    def surroundings(self) -> Surroundings:
-        """What stands around, as agents of the flock's own model notice it."""
-        return self.first.surroundings
+        self.module, self.surroundings = first.module, first.surroundings
 
     def pass_of(self, kind: float) -> ModelPass | None:
         """The pass in which agents of a kind act; None for that of the flock's own model."""
@@ -73,37 +61,15 @@ class PassEngine:
         for name in MOVING:
             getattr(self.arrays, name)[rows] = getattr(one.engine.arrays, name)[rows]
 
-    def run(
-        self,
-        context: Context,
-        tick: int,
-        ticks: int,
-        until: EngineStopCondition = NEVER,
-        trace=UNTRACED,
-    ):
-        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
-
-        `trace` (ticks, N, dim), if given, receives the positions after each tick.
-        """
-        last_off = until.last_off
-        rows = [np.flatnonzero(self.arrays.kind == one.number) for one in self.passes]
-        for done in range(ticks):
-            tick_now = tick + done
-            if len(until.numbers):
-                if not self.module.holds(self.arrays, until.numbers):
-                    last_off = tick_now
-                elif tick_now - last_off >= until.hold:
-                    return done, last_off
-            for one in self.passes:
-                self.begin_pass(one)
-                one.engine.run(with_wind_of(context, one.context), tick_now, 1)
-            # The last on the flock's own arrays: a fault in one before has changed nothing.
-            self.first.run(context, tick_now, 1)
-            for one, mine in zip(self.passes, rows, strict=True):
-                self.take_moves(one, mine)
-            if len(trace):
-                trace[done] = self.arrays.position
-        return ticks, last_off
+    def run_ticks(self, context: Context, tick: int, ticks: int) -> None:  # noqa: ARG002 - one
+        """One tick, a pass of each model."""
+        for one in self.passes:
+            self.begin_pass(one)
+            one.engine.run(with_wind_of(context, one.context), tick, 1)
+        # The last on the flock's own arrays: a fault in one before has changed nothing.
+        self.first.run(context, tick, 1)
+        for one in self.passes:
+            self.take_moves(one, np.flatnonzero(self.arrays.kind == one.number))
 
     def open(self, context: Context, tick: int) -> None:
         """Freeze the flock for agents that decide one by one."""

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from itertools import pairwise
 from queue import SimpleQueue
+from types import ModuleType
 from typing import Any
 from weakref import finalize
 
@@ -27,15 +28,16 @@ from agents.engine.arrays import (
     Arrays,
     Context,
     EngineStopCondition,
-    Workspace,
     WorldContext,
     empty_grid,
     empty_slots,
     empty_workspace,
 )
+from agents.engine.cells import Slots
 from agents.engine.message_past import MessageDelays
 from agents.engine.noise import ORDERS, uniform_numbers
 from agents.engine.stored_call import StoredTick
+from worlds.queries.surroundings import Surroundings
 
 # The threads that share a tick, with as little overhead as Python allows.
 
@@ -121,11 +123,62 @@ def refuse(arrays: Arrays, row: int, tick: int) -> None:
 
 
 class Engine:
-    """The compiled loop of a rule over a flock's arrays."""
+    """What runs ticks over a flock's arrays."""
+
+    module: ModuleType
+    """The compiled loop, or that of the flock's own model."""
+    arrays: Arrays
+    surroundings: Surroundings
+    """What stands around, as agents of that model notice it."""
+    most_together = 1
+    """Ticks that `run_ticks` is asked for at once, where nobody looks at the flock between them."""
+
+    def run(
+        self,
+        context: Context,
+        tick: int,
+        ticks: int,
+        until: EngineStopCondition = NEVER,
+        trace=UNTRACED,
+    ) -> tuple[int, int]:
+        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
+
+        `trace` (ticks, N, dim), if given, receives the positions after each tick.
+        """
+        last_off, is_watched = until.last_off, len(until.numbers) > 0
+        done = 0
+        while done < ticks:
+            if is_watched:
+                if not self.module.holds(self.arrays, until.numbers):
+                    last_off = tick + done
+                elif tick + done - last_off >= until.hold:
+                    break
+            together = 1 if is_watched or len(trace) else min(ticks - done, self.most_together)
+            self.run_ticks(context, tick + done, together)
+            if len(trace):
+                trace[done] = self.arrays.position
+            done += together
+        return done, last_off
+
+    def run_ticks(self, context: Context, tick: int, ticks: int) -> None:
+        """Run ticks without looking at the flock between them."""
+        raise NotImplementedError
+
+    def open(self, context: Context, tick: int) -> None:
+        """Begin a tick in which agents decide and move one by one."""
+        raise NotImplementedError
+
+    def one(self, context: Context, tick: int, row: int) -> None:
+        """Let the agent of one row of an opened tick decide and move."""
+        raise NotImplementedError
+
+
+class LoopEngine(Engine):
+    """One compiled loop over a flock's arrays."""
 
     def __init__(
         self,
-        module,
+        module: ModuleType,
         arrays: Arrays,
         place: WorldContext,
         seed: int,
@@ -137,12 +190,16 @@ class Engine:
         self.arrays = arrays
         self.space, self.surroundings = place
         self.seed = seed
-        n, dim = arrays.position.shape
         self.parts = max(1, threads)
-        self.slots = empty_slots(n, dim, module.SIGNALS, module.ASKS_SPEED, module.KINDS)
-        self.grid = empty_grid(n, self.parts)
-        self.workspaces: list[Workspace] = []
+        self.slots = self.empty_slots()
+        self.grid = empty_grid(len(arrays.position), self.parts)
+        self.workspaces: list[Any] = []
         self.enlarge_workspaces(256)
+
+    def empty_slots(self) -> Slots:
+        """Room for a sorted copy of the agents."""
+        loop, (n, dim) = self.module, self.arrays.position.shape
+        return empty_slots(n, dim, loop.SIGNALS, loop.ASKS_SPEED, loop.KINDS)
 
     def enlarge_workspaces(self, capacity: int) -> None:
         """Give each thread a workspace with room for `capacity` agents in a block."""
@@ -154,15 +211,16 @@ class Engine:
             loop.MEASURES,
             self.surroundings.most_points,
         )
+        self.capacity = capacity
         self.workspaces = [empty_workspace(*workspace_shape) for _ in range(self.parts)]
 
 
-class SynchronousEngine(Engine):
+class SynchronousEngine(LoopEngine):
     """Synchronous activation: all agents decide on the same state, then all move (two phases)."""
 
     def __init__(
         self,
-        module,
+        module: ModuleType,
         arrays: Arrays,
         place: WorldContext,
         seed: int,
@@ -191,14 +249,14 @@ class SynchronousEngine(Engine):
             trace,
         )
 
-    def whole_ticks(self) -> tuple[int, int, int, int, int]:
+    def whole_ticks(self) -> tuple[int, ...]:
         """What asks the compiled loop for all that belongs to a tick, of all agents."""
         return ALL_PHASES, 0, 1, 0, len(self.arrays.position)
 
     def store_tick(self, context: Context, tick: int) -> StoredTick:
         """The call of one tick, with a workspace in which there is room for all."""
         n = len(self.arrays.position)
-        if self.workspaces[0].block.shape[1] < n:
+        if self.capacity < n:
             self.enlarge_workspaces(n)
         arguments = self.arguments(context, tick, 1, self.whole_ticks())
         return StoredTick(self.module.advance, arguments, SEED_AT)
@@ -227,18 +285,15 @@ class SynchronousEngine(Engine):
         ticks: int,
         until: EngineStopCondition = NEVER,
         trace=UNTRACED,
-    ):
-        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
-
-        `trace` (ticks, N, dim), if given, receives the positions after each tick.
-        """
+    ) -> tuple[int, int]:
+        """As `Engine.run`, in one call of the loop where one thread runs it."""
         if self.parts == 1 or len(until.numbers):
             return self.call(context, tick, ticks, self.whole_ticks(), until, trace)
-        for k in range(ticks):
-            self.shared_tick(context, tick + k)
-            if len(trace):
-                trace[k] = self.arrays.position
-        return ticks, -1
+        return self.run_shared(context, tick, ticks, trace)
+
+    def run_shared(self, context: Context, tick: int, ticks: int, trace) -> tuple[int, int]:
+        """The same, on all threads."""
+        return super().run(context, tick, ticks, trace=trace)
 
     def open(self, context: Context, tick: int) -> None:
         """Freeze the flock for agents that decide one by one."""
@@ -251,7 +306,7 @@ class SynchronousEngine(Engine):
         slot = int(self.slot_of[row])
         self.call(context, tick, 1, (SWEEP, 0, 1, slot, slot + 1))
 
-    def shared_tick(self, context: Context, tick: int) -> None:
+    def run_ticks(self, context: Context, tick: int, ticks: int) -> None:  # noqa: ARG002 - one
         """One tick, each phase of it on all threads."""
         n = len(self.arrays.position)
         edges = [n * k // self.parts for k in range(self.parts + 1)]
@@ -288,7 +343,7 @@ class SynchronousEngine(Engine):
         self.team.run_on_all(sweep)
 
 
-class SequentialEngine(Engine):
+class SequentialEngine(LoopEngine):
     """Sequential or random activation: agents act one by one, each on what the others left."""
 
     knowledge: tuple[Any, ...] = ()
@@ -333,31 +388,11 @@ class SequentialEngine(Engine):
             if first == len(order):
                 return
             opens = False
-            self.enlarge_workspaces(2 * self.workspaces[0].block.shape[1])
+            self.enlarge_workspaces(2 * self.capacity)
 
-    def run(
-        self,
-        context: Context,
-        tick: int,
-        ticks: int,
-        until: EngineStopCondition = NEVER,
-        trace=UNTRACED,
-    ):
-        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
-
-        `trace` (ticks, N, dim), if given, receives the positions after each tick.
-        """
-        last_off = until.last_off
-        for tick_now in range(tick, tick + ticks):
-            if len(until.numbers):
-                if not self.module.holds(self.arrays, until.numbers):
-                    last_off = tick_now
-                elif tick_now - last_off >= until.hold:
-                    return tick_now - tick, last_off
-            self.call(context, tick_now, self.order(tick_now), True)
-            if len(trace):
-                trace[tick_now - tick] = self.arrays.position
-        return ticks, last_off
+    def run_ticks(self, context: Context, tick: int, ticks: int) -> None:  # noqa: ARG002 - one
+        """One tick, in which all act in turn."""
+        self.call(context, tick, self.order(tick), True)
 
     def order(self, tick: int) -> np.ndarray:
         """The rows in the order in which they act: by identity, or shuffled by seed and tick."""

@@ -21,7 +21,13 @@ from agents.engine.noise import ANGULAR, NO_WIND, VECTORIAL
 from agents.engine.pairs import pair_runner
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.pass_engine import ModelPass, PassEngine, copy_moving
-from agents.engine.runner import DelayedEngine, SequentialEngine, SynchronousEngine
+from agents.engine.runner import (
+    DelayedEngine,
+    Engine,
+    LoopEngine,
+    SequentialEngine,
+    SynchronousEngine,
+)
 from agents.models.declare import as_floats
 from agents.models.model import Model
 from agents.models.model_calls import call
@@ -72,7 +78,7 @@ class FlockLoop(FlockState):
     """The setting with which agents go through what is solid here, or an empty string."""
     split_from: int | None = None
     """Agents from which on a tick is shared among threads; None: as it is worth it."""
-    _engine: SynchronousEngine | PairEngine | SequentialEngine | PassEngine | StripEngine | None
+    _engine: Engine | None
     _wind: Wind
     _beginning: tuple[CompleteSpec, World]
     """The run as it began, and its world before random obstacles are drawn."""
@@ -107,7 +113,7 @@ class FlockLoop(FlockState):
         """
         self.arrays = arrays
         if self._engine is not None:
-            assert not isinstance(self._engine, PassEngine)
+            assert isinstance(self._engine, LoopEngine)
             self._engine.arrays, self._engine.seed = arrays, self.seed
         if self.differing and with_other_numbers:
             self._follow_own()
@@ -166,15 +172,13 @@ class FlockLoop(FlockState):
         return *world_kind, self.options.is_windy, is_nearest, differ, kinds
 
     @property
-    def engine(
-        self,
-    ) -> SynchronousEngine | PairEngine | SequentialEngine | PassEngine | StripEngine:
+    def engine(self) -> Engine:
         """The compiled loop over these arrays. Raises InputError where ranks cannot share it."""
         if self._engine is None:
             engine = self._make_engine(self.arrays)
             if self.ranks != 1:
                 self._demand_strips()
-                assert isinstance(engine, SynchronousEngine | PairEngine)
+                assert isinstance(engine, SynchronousEngine)
                 build = partial(named_loop, self.model.name, *self._loop_kind)
                 stride = longest_stride(self.model, self.parameters, self.world, self.options)
                 self._engine = StripEngine(engine, self.processes, build, stride)
@@ -203,9 +207,7 @@ class FlockLoop(FlockState):
         if reason:
             raise InputError(f"ranks are not allowed here: {reason}")
 
-    def _make_engine(
-        self, arrays: Arrays
-    ) -> SynchronousEngine | PairEngine | SequentialEngine | PassEngine:
+    def _make_engine(self, arrays: Arrays) -> Engine:
         if not self.kind_models:
             return self._engine_of(self, arrays)
         names = self.own_columns
@@ -224,9 +226,7 @@ class FlockLoop(FlockState):
             passes.append(ModelPass(one.number, engine, self._context_of(view)))
         return PassEngine(first, arrays, passes)
 
-    def _engine_of(
-        self, state: FlockState, arrays: Arrays
-    ) -> SynchronousEngine | PairEngine | SequentialEngine:
+    def _engine_of(self, state: FlockState, arrays: Arrays) -> LoopEngine:
         """The compiled loop of a state's model over arrays."""
         space = Space(
             pad_to_space(self.world.size, float),

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agents.engine.arrays import NEVER, Arrays, EngineStopCondition
-from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import UNTRACED, SynchronousEngine
 from agents.engine.stored_call import StoredTick
 from agents.motion.flock_loop import FlockLoop
@@ -157,13 +156,11 @@ class FlockTicks(FlockLoop):
         catches whom, events and the count of ticks are left to the caller.
         """
         engine = self.engine
-        is_synchronous = type(engine) in (SynchronousEngine, PairEngine)
         is_plain = self.interpret or DISABLED
         comes_between = self.world.has_gates or self.has_events or self.is_flown
-        if not is_synchronous or is_plain or comes_between:
+        if not isinstance(engine, SynchronousEngine) or engine.parts > 1:
             return None
-        assert isinstance(engine, SynchronousEngine | PairEngine)
-        if engine.parts > 1:
+        if is_plain or comes_between:
             return None
         return engine.store_tick(self._context_with_wind(ticks), self.tick)
 

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from agents.engine.arrays import NEVER, Arrays, Context, EngineStopCondition, WorldContext
-from agents.engine.pairs.pair_runner import PairEngine
-from agents.engine.runner import UNTRACED, NotANumber, SynchronousEngine
+from agents.engine.arrays import Arrays, Context, WorldContext
+from agents.engine.runner import Engine, NotANumber, SynchronousEngine
 from agents.models.model import Model, reads
 from agents.option import whole_number
 from agents.state.agent_rows import select_rows
@@ -165,16 +164,18 @@ def close_all(own: list[Any]) -> None:
             one.close()
 
 
-class StripEngine:
+class StripEngine(Engine):
     """An engine whose ticks are run in strips, to the same bits; `whole` is that of one process.
 
     The arrays stay here: a run sends each rank its agents, and brings them back. `stride` is how
     far an agent goes in a tick at most, length, or infinite where nothing is known of that.
     """
 
+    most_together = BALANCED_FOR
+
     def __init__(
         self,
-        whole: PairEngine | SynchronousEngine,
+        whole: SynchronousEngine,
         processes: RankProcesses,
         build: Callable[[], ModuleType],
         stride: float,
@@ -185,40 +186,20 @@ class StripEngine:
         self.processes, self.build = processes, build
         self.ranks: list[Any] = []
         """Placed by the first run, and anew after one that failed."""
-        # A tick in which agents step one by one needs no ranks.
-        self.open, self.one = whole.open, whole.one
 
-    def run(
-        self,
-        context: Context,
-        tick: int,
-        ticks: int,
-        until: EngineStopCondition = NEVER,
-        trace=UNTRACED,
-    ):
-        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
+    def open(self, context: Context, tick: int) -> None:
+        """Begin a tick in which agents step one by one: it needs no ranks."""
+        self.whole.open(context, tick)
 
-        `trace` (ticks, N, dim), if given, receives the positions after each tick. With either one
-        of them the agents come back at every tick. Raises InputError where a process has ended; the
-        flock is then as it was.
+    def one(self, context: Context, tick: int, row: int) -> None:
+        """Let the agent of one row of an opened tick decide and move."""
+        self.whole.one(context, tick, row)
+
+    def run_ticks(self, context: Context, tick: int, ticks: int) -> None:
+        """Run ticks without looking at the flock between them.
+
+        Raises InputError where a process has ended; the flock is then as it was.
         """
-        last_off, is_watched = until.last_off, len(until.numbers) > 0
-        done = 0
-        while done < ticks:
-            if is_watched:
-                if not self.module.holds(self.arrays, until.numbers):
-                    last_off = tick + done
-                elif tick + done - last_off >= until.hold:
-                    break
-            together = 1 if is_watched or len(trace) else min(ticks - done, BALANCED_FOR)
-            self.run_strips(context, tick + done, together)
-            if len(trace):
-                trace[done] = self.arrays.position
-            done += together
-        return done, last_off
-
-    def run_strips(self, context: Context, tick: int, ticks: int) -> None:
-        """Run ticks without looking at the flock between them."""
         try:
             if not self.ranks:
                 place = WorldContext(self.space, self.surroundings)

@@ -23,7 +23,6 @@ import numpy as np
 
 from agents.engine.arrays import Arrays, Context, WorldContext, empty_grid
 from agents.engine.cells import Space, plan
-from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import SynchronousEngine
 from agents.state.agent_rows import join_arrays, select_rows
 from worlds.compilation import plain_python
@@ -142,7 +141,7 @@ class StripRank:
         self,
         number: int,
         build: Callable[[], ModuleType],
-        kind: type[PairEngine | SynchronousEngine],
+        kind: type[SynchronousEngine],
         place: WorldContext,
     ):
         self.number = number
@@ -156,7 +155,7 @@ class StripRank:
         self.arrived = asyncio.Event()
         self.work: asyncio.Future[StripRows] | None = None
         self.room = -1
-        self.engine: PairEngine | SynchronousEngine | None = None
+        self.engine: SynchronousEngine | None = None
 
     async def meet(self, peers: Sequence[Peer]) -> None:
         """Know the ranks, by number, oneself among them."""
@@ -286,7 +285,7 @@ class StripRank:
         corners[:, :dim][:, ~is_open] = 0.0
         return corners
 
-    def engine_over(self, arrays: Arrays, grid: Any, seed: int) -> PairEngine | SynchronousEngine:
+    def engine_over(self, arrays: Arrays, grid: Any, seed: int) -> SynchronousEngine:
         """The engine over these rows; it is made anew where there are more than it has room for."""
         n, dim = arrays.position.shape
         if self.engine is None or n > self.room or self.engine.seed != seed:

@@ -15,7 +15,7 @@ import numpy as np
 
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.pass_engine import PassEngine
-from agents.engine.runner import SynchronousEngine
+from agents.engine.runner import LoopEngine, SynchronousEngine
 from agents.flock import Flock
 from agents.individuals import normal, split_individuals
 from agents.kinds import replace_kind
@@ -32,7 +32,6 @@ from agents.observables.observable import Observable, Range
 from agents.observables.of_rows import NOT_ASKED, empty_cells, groups, layers
 from agents.spec import CompleteSpec
 from agents.state.start import TRIES, free_positions
-from agents.strips.strip_engine import StripEngine
 from agents.web.web_draws import (
     DRAWS,
     can_begin_anew,
@@ -375,7 +374,7 @@ def first_call(flock: Flock) -> CallStopped:
         raise CallStopped(function, arguments)
 
     engine = flock.engine
-    assert not isinstance(engine, StripEngine | PassEngine)
+    assert isinstance(engine, LoopEngine)
     called, engine.called = engine.called, stop
     try:
         flock.advance(1)

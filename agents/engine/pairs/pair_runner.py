@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import numpy as np
 
-from agents.engine.arrays import (
-    NEVER,
-    Arrays,
-    Context,
-    EngineStopCondition,
-    WorldContext,
-    empty_grid,
-    index_type,
-    no_heeds,
-)
+from agents.engine.arrays import NEVER, Arrays, Context, WorldContext, index_type, no_heeds
 from agents.engine.cells import Slots
 from agents.engine.heeding import COLUMNS
 from agents.engine.pairs import tick as pairs
 from agents.engine.pairs.pair_workspace import PairWorkspace, empty_notes
 from agents.engine.pairs.thread_barrier import BAD, STOP
-from agents.engine.runner import SEED_AT, UNTRACED, Called, Team, at_once, refuse
-from agents.engine.stored_call import StoredTick
+from agents.engine.runner import UNTRACED, Called, SynchronousEngine, Team, at_once, refuse
 from agents.engine.vector_lanes import WIDTH
 
 SPLIT_FROM = 10_000
@@ -39,65 +31,49 @@ def padded_slots(n: int, dim: int, speeds: bool, kinds: bool) -> Slots:
     return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue, kind, no_heeds(False))
 
 
-class PairEngine:
+class PairEngine(SynchronousEngine):
     """Synchronous activation: all agents decide on the same state, eight at a time."""
 
     def __init__(
         self,
-        module,
+        module: ModuleType,
         arrays: Arrays,
         place: WorldContext,
         seed: int,
         threads: int = 1,
         called: Called = at_once,
     ):
-        self.module = module
-        self.called = called
-        self.arrays = arrays
-        self.space, self.surroundings = place
-        self.seed = seed
-        n, dim = arrays.position.shape
-        self.parts = max(1, threads)
-        self.slots = padded_slots(n, dim, module.ASKS_SPEED, module.KINDS)
-        self.grid = empty_grid(n, self.parts)
-        self.index = self.grid.start.dtype
-        self.notes = [self.empty_notes() for _ in range(self.parts)]
+        super().__init__(module, arrays, place, seed, threads, called)
         self.meeting = np.zeros(BAD + self.parts, np.int64)
-        self.team = Team(self.parts)
-        self.slot_of = np.empty(0, np.int64)
+
+    def empty_slots(self) -> Slots:
+        """Room for a sorted copy of the agents that is read eight at a time."""
+        n, dim = self.arrays.position.shape
+        return padded_slots(n, dim, self.module.ASKS_SPEED, self.module.KINDS)
+
+    def enlarge_workspaces(self, capacity: int) -> None:
+        """Give each thread its notes, in which there is room for any number of agents."""
+        self.capacity = capacity
+        self.workspaces = [self.empty_notes() for _ in range(self.parts)]
 
     def empty_notes(self, nearest: int = 1, kinds: int = 0) -> PairWorkspace:
         """A thread's notes, for so many nearest agents and kinds."""
         loop, points = self.module, self.surroundings.most_points
-        return empty_notes(loop.ALL_SUMS, loop.PRIVATE, points, self.index, nearest, kinds)
+        index = self.grid.start.dtype
+        return empty_notes(loop.ALL_SUMS, loop.PRIVATE, points, index, nearest, kinds)
 
     def arguments(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED) -> tuple:
         """What the compiled loop is called with."""
         part = work[1]
-        notes, kinds = self.notes[part], len(context.relations)
+        notes, kinds = self.workspaces[part], len(context.relations)
         if context.nearest > len(notes.least) or len(notes.relations) != kinds * COLUMNS:
-            self.notes[part] = self.empty_notes(max(1, context.nearest), kinds)
-        return (
-            self.arrays,
-            self.space,
-            self.surroundings,
-            self.grid,
-            self.slots,
-            self.notes[part],
-            context,
-            self.seed,
-            tick,
-            ticks,
-            work,
-            self.meeting,
-            until,
-            trace,
-        )
+            self.workspaces[part] = self.empty_notes(max(1, context.nearest), kinds)
+        *before, _, _ = super().arguments(context, tick, ticks, work)
+        return *before, self.meeting, until, trace
 
-    def store_tick(self, context: Context, tick: int) -> StoredTick:
-        """The call of one tick."""
-        arguments = self.arguments(context, tick, 1, (pairs.RUN, 0, 1, 0))
-        return StoredTick(self.module.advance, arguments, SEED_AT)
+    def whole_ticks(self) -> tuple[int, ...]:
+        """What asks the compiled loop for all that belongs to a tick, of all agents."""
+        return pairs.RUN, 0, 1, 0
 
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop."""
@@ -108,25 +84,13 @@ class PairEngine:
             refuse(self.arrays, bad_row, tick + done)
         return done, last_off
 
-    def run(
-        self,
-        context: Context,
-        tick: int,
-        ticks: int,
-        until: EngineStopCondition = NEVER,
-        trace=UNTRACED,
-    ):
-        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
-
-        `trace` (ticks, N, dim), if given, receives the positions after each tick.
-        """
-        if self.parts == 1 or len(until.numbers):
-            return self.call(context, tick, ticks, (pairs.RUN, 0, 1, 0), until, trace)
+    def run_shared(self, context: Context, tick: int, ticks: int, trace) -> tuple[int, int]:
+        """Run ticks on all threads, which meet within compiled code."""
 
         def share(part: int) -> None:
             try:
                 work = pairs.RUN, part, self.parts, 0
-                self.call(context, tick, ticks, work, until, trace)
+                self.call(context, tick, ticks, work, NEVER, trace)
             except BaseException:
                 self.meeting[STOP] = 1
                 raise
