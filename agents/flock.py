@@ -210,20 +210,14 @@ class Flock(TickClock, FlockStart):
         if not is_same:
             self._kept_start = None
         is_drawn = self._kept_start is None
-        if start is None:
-            begin, own = self._random_start()
-        else:
-            begin, own = self._start_from_arrays(start)
-        informed_count = int(begin.informed.sum())
-        ordinary = len(begin.position) - informed_count - spec.count_of_kinds
+        arrays = self._random_start([seed]) if start is None else self._given_start(start)
+        informed_count = int(arrays.informed.sum())
+        ordinary = len(arrays.ids) - informed_count - spec.count_of_kinds
         counts = {"agents": ordinary, "informed": informed_count}
         self.options = spec.model_copy(update={"seed": seed} | counts)
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
-        self.next_id = len(begin.position) + 1
-        arrays = start_arrays(begin, self.model, 1)
-        kind = self._kind_at_start(arrays.ids)
-        arrays = arrays._replace(own=own, kind=kind, wish=self._no_wishes(len(kind)))
+        self.next_id = len(arrays.ids) + 1
         if is_same and len(self.ids) == len(arrays.ids):
             self._swap_arrays(arrays, is_drawn)
         else:

@@ -1,4 +1,4 @@
-"""What a step of many flocks in one call costs, beside a loop over single environments.
+"""What a step and a reset of many flocks in one call cost, beside single environments.
 
     uv run python benchmarks/learning.py
     uv run python benchmarks/learning.py --json
@@ -6,7 +6,9 @@
 Three contestants take as many flocks through as many ticks, in turn, on one thread; the time of
 each is the shortest of the rounds. `flocks`: `Flock.run(1)` of one after the other, nobody rewarded
 and nothing seen. `single`: a loop over `gym_env`. `vector`: one `vector_env`. Flocks that end begin
-anew.
+anew. Then two contestants begin all flocks anew, in turn: `restart`, a `vector_env` whose flocks
+somebody has asked for, so that each is made anew with all that belongs to it; `in place`, one of
+which nobody has: where agents begin is written into the arrays that are there.
 """
 
 from __future__ import annotations
@@ -46,11 +48,20 @@ class StepCost(NamedTuple):
     flocks: float
     single: float
     vector: float
+    restart: float
+    """A reset of each flock, us, all of it made anew."""
+    in_place: float
+    """A reset of each flock, us, in its arrays alone."""
 
     @property
     def ratio(self) -> float:
         """How many times as long a loop over single environments takes."""
         return self.single / self.vector
+
+    @property
+    def reset_ratio(self) -> float:
+        """How many times as long a reset takes in which all is made anew."""
+        return self.restart / self.in_place
 
 
 def run_flocks(words: dict[str, Any], number: int) -> Callable[[], None]:
@@ -97,19 +108,39 @@ def run_vector(words: dict[str, Any], number: int) -> Callable[[], None]:
     return step
 
 
+def reset_vector(words: dict[str, Any], number: int, is_shared: bool) -> Callable[[], None]:
+    """A reset of all flocks at once; `is_shared`: after somebody has asked for them."""
+    envs = vector_env(kind="robot", number=number, seed=1, **words)
+    envs.reset()
+    if is_shared:
+        _ = envs.flocks
+
+    def reset() -> None:
+        envs.reset()
+
+    return reset
+
+
+def least_times(contestants: list[Callable[[], None]], times: int) -> list[float]:
+    """The least time of each contestant of the rounds, in turn, s, called so many times."""
+    least = [float("inf")] * len(contestants)
+    for _ in range(ROUNDS):
+        for k, call in enumerate(contestants):
+            call()
+            begin = time.process_time()
+            for _ in range(times):
+                call()
+            least[k] = min(least[k], time.process_time() - begin)
+    return least
+
+
 def measure(case: str, number: int) -> StepCost:
     """The cost of a case, contestants in turn."""
     words = CASES[case]
-    contestants = [make(words, number) for make in (run_flocks, run_singles, run_vector)]
     steps = max(20, STEPS // number)
-    least = [float("inf")] * len(contestants)
-    for _ in range(ROUNDS):
-        for k, step in enumerate(contestants):
-            step()
-            begin = time.process_time()
-            for _ in range(steps):
-                step()
-            least[k] = min(least[k], time.process_time() - begin)
+    of_steps = [make(words, number) for make in (run_flocks, run_singles, run_vector)]
+    of_resets = [reset_vector(words, number, is_shared) for is_shared in (True, False)]
+    least = least_times(of_steps, steps) + least_times(of_resets, steps)
     return StepCost(case, number, *(seconds / steps / number * 1e6 for seconds in least))
 
 
@@ -121,15 +152,18 @@ def main() -> None:
     options = parser.parse_args()
     costs = [measure(case, number) for case in CASES for number in NUMBERS]
     if options.json:
-        print(json.dumps([{**cost._asdict(), "ratio": cost.ratio} for cost in costs]))
+        ratios = [{"ratio": cost.ratio, "reset_ratio": cost.reset_ratio} for cost in costs]
+        print(json.dumps([cost._asdict() | two for cost, two in zip(costs, ratios, strict=True)]))
         return
-    print("us for each flock and step")
+    print("us for each flock and step, then for each flock and reset")
     print(
         f"{'case':10s}{'flocks':>8s}{'alone':>9s}{'single':>9s}{'vector':>9s}{'single/vector':>15s}"
+        f"{'restart':>10s}{'in place':>10s}{'restart/in place':>18s}"
     )
     for cost in costs:
-        times = f"{cost.flocks:9.1f}{cost.single:9.1f}{cost.vector:9.1f}"
-        print(f"{cost.case:10s}{cost.number:8d}{times}{cost.ratio:15.1f}")
+        times = f"{cost.flocks:9.1f}{cost.single:9.1f}{cost.vector:9.1f}{cost.ratio:15.1f}"
+        resets = f"{cost.restart:10.1f}{cost.in_place:10.1f}{cost.reset_ratio:18.1f}"
+        print(f"{cost.case:10s}{cost.number:8d}{times}{resets}")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from agents.catalogue import MODELS
 from agents.engine import noise
 from agents.individuals import lognormal
 from agents.kinds import Kind, chase
+from agents.motion.flock_start import begin_in_place
 from agents.state.start import FIRST
 from worlds.compilation import DISABLED, plain_python
 from worlds.input_error import InputError
@@ -24,6 +27,9 @@ OTHERS = [
     {"model": "vem-a", "informed": 3, "threads": 2},
     {"model": "vem", "agents": 60, "size": 12.0, "r": lognormal(0.3, 0.6)},
 ]
+
+DRAWN = [OTHERS[2], OTHERS[3], OTHERS[4], OTHERS[7], {"model": "guarded"}]
+"""Those of which more is drawn, or remembered, than where agents begin, and how."""
 
 
 def as_new(flock: Flock, new: Flock) -> None:
@@ -42,13 +48,33 @@ def as_new(flock: Flock, new: Flock) -> None:
     assert flock.datacollector.model_vars == new.datacollector.model_vars
 
 
+def demand_same_arrays(flock: Flock, new: Flock) -> None:
+    """The arrays of both are the same to the last bit."""
+    for name, array in flock.arrays._asdict().items():
+        assert array.tobytes() == getattr(new.arrays, name).tobytes(), name
+
+
+def demand_begun_in_place(flock: Flock, seed: int, words: dict[str, Any]) -> None:
+    """The arrays that a flock has, and another has, are filled with those of new ones."""
+    flocks = [flock, Flock(**words, rng=2)]
+    arrays = [one.arrays for one in flocks]
+    begin_in_place(flocks, [seed, seed + 1])
+    for k, one in enumerate(flocks):
+        assert one.arrays is arrays[k]
+        demand_same_arrays(one, Flock(**words, rng=seed + k))
+
+
 @pytest.mark.parametrize(
     "words", [*({"model": name} for name in MODELS), *OTHERS], ids=lambda words: str(words)
 )
 def test_it_is_as_a_new_flock(words):
+    is_drawn = words in DRAWN
     words = {"agents": 12} | words
     flock = Flock(**words, rng=1)
     flock.run(15)
+    assert flock.can_begin_in_place != is_drawn
+    if not is_drawn:
+        demand_begun_in_place(flock, 9, words)
     flock.restart(7)
     new = Flock(**words, rng=7)
     as_new(flock, new)
@@ -158,3 +184,50 @@ def test_a_flock_of_kinds_begins_again_as_a_new_one_whatever_became_of_it():
         assert flock.context.reach == new.context.reach
         change()
         flock.run(3)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"world": "obstacles"},
+        {"world": "obstacles", "spacing": 0.1, "informed": 2},
+        {"model": "couzin", "dim": 3},
+        {"world": "wu2023-wall"},
+        {"model": "vasarhelyi"},
+        {"model": "prey-swarm"},
+    ],
+    ids=str,
+)
+def test_arrays_of_kinds_begin_in_place_as_those_of_a_new_flock(words):
+    model = words.get("model", "vem")
+    name = "s" if model == "couzin" else "v0"
+    own = {} if model in ("vasarhelyi", "prey-swarm") else {name: 0.1}
+    words = {"agents": 9, **words, "kinds": [Kind("robot", 3, steered=True, **own)]}
+    flock = Flock(rng=1, **words)
+    flock.run(3)
+    flock.steer("robot", flock.heading[flock.rows_of("robot")])
+    assert flock.can_begin_in_place
+    demand_begun_in_place(flock, 5, words)
+    if own:
+        assert np.array_equal(flock.speed, getattr(flock, name))
+        assert len(set(flock.speed.tolist())) == 2
+
+
+def test_a_kind_with_a_box_of_its_own_begins_in_place_there():
+    box = ((1.0, 1.0), (2.0, 1.5))
+    kinds = [Kind("robot", 3, steered=True, start=box)]
+    words = {"model": "vem", "agents": 9, "size": 4.0, "kinds": kinds}
+    flock = Flock(rng=1, **words)
+    flock.run(3)
+    demand_begun_in_place(flock, 5, words)
+    position = flock.position[flock.rows_of("robot")]
+    assert ((position >= box[0]) & (position <= box[1])).all()
+
+
+def test_arrays_of_fewer_agents_than_begin_cannot_be_begun_in_place():
+    sharks = Kind("shark", 3, v0=0.3, to={"flock": chase(3.0, 4.0, catch=0.5, caught="taken")})
+    flock = Flock("vem", agents=9, size=3.0, kinds=[sharks], rng=1)
+    assert flock.can_begin_in_place
+    flock.run(30)
+    assert len(flock.ids) < 12
+    assert not flock.can_begin_in_place

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,7 +75,7 @@ def random_start(
     world: World,
     agents: int,
     informed: int,
-    seed: int,
+    seeds: Sequence[int],
     spacing: float | None = None,
     gap: float = 0.0,
 ) -> Start:
@@ -87,38 +87,60 @@ def random_start(
     memory, while those that act one after another do so all over the box. The information agents
     come first in both. No agent starts inside an obstacle, or nearer than `gap` to one; with
     `spacing`, ordinary agents keep that distance to each other and to what is solid. A world with a
-    mission may have a start region of its own, where all are spread alike. Raises InputError where
-    there is no room.
+    mission may have a start region of its own, where all are spread alike. `seeds`: of a flock, or
+    of several, whose rows come one flock after the other. Raises InputError where there is no room.
     """
     mission, n = world.mission, agents + informed
+    region = None if mission is None else mission.start
     ids = np.arange(1, n + 1)
-    if mission is None or mission.start is None:
+    if region is None:
         low, size = np.array(world.low), np.array(world.size)
+    else:
+        low, size = start_box(region, n)
+        if spacing is None:
+            spacing = region.spacing
+        else:
+            gap = max(gap, spacing)
+
+    def places(seed: int) -> np.ndarray:
+        """Where the agents of a flock begin, (n, dim)."""
+        if region is not None:
+            return spread(world, low, size, ids, spacing or 0.0, seed, gap)
         position = free_positions(world, ids[informed:], seed, spacing or 0.0, gap)
         if informed:
             first = free_positions(world, ids[:informed], seed)
             if not world.is_solid:
                 first[:1] = 0.0
             position = np.concatenate([first, position])
-    else:
-        region = mission.start
-        low, size = start_box(region, n)
-        if spacing is None:
-            spacing = region.spacing
-        else:
-            gap = max(gap, spacing)
-        position = spread(world, low, size, ids, spacing, seed, gap)
-    order = np.arange(n)
-    order[informed:] = informed + along_space(position[informed:], low, size)
+        return position
+
+    position = join([places(seed) for seed in seeds])
+    order = along_space(position.reshape(len(seeds), n, -1)[:, informed:], low, size)
+    if informed:
+        first = np.tile(np.arange(informed), (len(seeds), 1))
+        order = np.concatenate([first, informed + order], axis=1)
+    rows = order if len(seeds) == 1 else order + n * np.arange(len(seeds))[:, None]
     # Headings follow the order, so that a large flock never has both of two sets in memory.
-    position = position[order]
-    heading, speed = random_headings(seed, order + 1, world.dim), np.zeros(n)
-    if mission is None or mission.start is None:
-        heading[:informed] = goal_heading(world.dim)
-    else:
-        region_velocities(mission.start, seed, order + 1, heading, speed)
-        heading[:informed] = mission_headings(mission, position[:informed])
-    return Start(position, heading, np.arange(n) < informed, speed, order)
+    position = position[rows.reshape(-1)]
+    heading = join(
+        [random_headings(seed, own + 1, world.dim) for seed, own in zip(seeds, order, strict=True)]
+    )
+    number, speed = order.reshape(-1), np.zeros(len(position))
+    is_informed = number < informed
+    if region is not None:
+        for k, seed in enumerate(seeds):
+            own_rows = slice(n * k, n * k + n)
+            region_velocities(region, seed, order[k] + 1, heading[own_rows], speed[own_rows])
+    if informed and region is None:
+        heading[is_informed] = goal_heading(world.dim)
+    elif informed and mission is not None:
+        heading[is_informed] = mission_headings(mission, position[is_informed])
+    return Start(position, heading, is_informed, speed, number)
+
+
+def join(parts: list[np.ndarray]) -> np.ndarray:
+    """The rows of all parts; those of a single one are not copied."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def region_velocities(
@@ -230,12 +252,12 @@ def start_box(region: StartRegion, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def along_space(position: np.ndarray, low: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """An order of the rows in which near agents are near each other: by strips of the box at
-    `low`."""
-    n, dim = position.shape
+    """An order of the rows (..., N, dim) in which near agents are near each other, (..., N): by
+    strips of the box at `low`."""
+    n, dim = position.shape[-2:]
     strips = max(1.0, (n / 4.0) ** (1.0 / dim))
     cells = [
-        np.floor((position[:, axis] - low[axis]) / size[axis] * strips).astype(np.int32)
+        np.floor((position[..., axis] - low[axis]) / size[axis] * strips).astype(np.int32)
         for axis in range(dim)
     ]
     return np.lexsort(cells)

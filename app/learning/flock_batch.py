@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from agents.flock import Flock
 from agents.flock_world import LARGEST_DRAWN
 from agents.inspection import field_of_view
 from agents.motion.agent_view import numbers_of_action, view_width
+from agents.motion.flock_start import begin_in_place
 from agents.option import whole_number
 from agents.spec import LARGEST_SEED, Spec
 from app.learning.batch_step import (
@@ -102,6 +103,10 @@ class FlockBatch:
         self._arrays: list[Any] = [None] * number
         self._kept: list[Any] = [None] * number
         self._examples = flock.arrays, flock.engine.surroundings
+        self._in_place = [False] * number
+        """Which flocks can begin anew in the arrays that they have."""
+        self._is_behind = np.zeros(number, bool)
+        """Which flocks have begun anew in their arrays alone."""
         self.all = np.arange(number)
         self.width = view_width(k, flock.world.dim)
         self.action_size = numbers_of_action(flock)
@@ -165,6 +170,7 @@ class FlockBatch:
             self._engines[e], self._contexts[e] = engine, flock.context
             self._kept[e] = words, place
         self._arrays[e] = flock.arrays
+        self._in_place[e] = stored is not None and flock.can_begin_in_place
         self.tables.codes[e, NOW] = flock.tick
         n, before = len(flock.ids), self.tables.before
         if len(self.tables.catchers) and n > before.shape[1]:  # somebody has made agents
@@ -184,14 +190,43 @@ class FlockBatch:
             )
         return action
 
-    def restart(self, e: int, seed: int | None = None) -> None:
-        """Begin a flock anew: with a seed the run of that seed, else one that follows from the
+    def restart(self, which: Sequence[int], seeds: Sequence[int | None]) -> None:
+        """Begin some flocks anew: with a seed the run of that seed, else one that follows from the
         last."""
-        if seed is not None:
-            self.rng[e] = np.random.default_rng(seed)
-        self.flocks[e].restart(int(self.rng[e].integers(LARGEST_DRAWN)))
-        self.register(e)
-        self.tables.playing[e], self._lost[e] = True, False
+        begun: list[int] = []
+        run_seeds: list[int] = []
+        for e, seed in zip(which, seeds, strict=True):
+            if seed is not None:
+                self.rng[e] = np.random.default_rng(seed)
+            run_seed = int(self.rng[e].integers(LARGEST_DRAWN))
+            if self._in_place[e] and not self.is_shared:
+                begun.append(e)
+                run_seeds.append(run_seed)
+            else:
+                self._is_behind[e] = False
+                self.flocks[e].restart(run_seed)
+                self.register(e)
+            self.tables.playing[e], self._lost[e] = True, False
+        if begun:
+            begin_in_place([self.flocks[e] for e in begun], run_seeds)
+        for e, run_seed in zip(begun, run_seeds, strict=True):
+            stored = self._stored[e]
+            assert stored is not None
+            stored.words[stored.seed_at] = run_seed
+            self.tables.codes[e, NOW] = 0
+            self._is_behind[e] = True
+
+    def _catch_up(self, e: int) -> None:
+        """Have a flock be what it is in its arrays."""
+        flock = self.flocks[e]
+        if self._is_behind[e]:
+            arrays = flock.arrays
+            flock.restart(flock.seed)
+            for now, begun in zip(arrays, flock.arrays, strict=True):
+                np.copyto(begun, now)
+            self._is_behind[e] = False
+            flock.tick = int(self.tables.codes[e, NOW])
+            self.register(e)
 
     def _take_changes(self) -> None:
         """Go on from what somebody has made of the flocks since the last tick."""
@@ -245,6 +280,8 @@ class FlockBatch:
     def share(self) -> None:
         """From now on have each flock be as it is, and take what somebody makes of it."""
         self.is_shared = True
+        for e in np.flatnonzero(self._is_behind).tolist():
+            self._catch_up(e)
         for e in np.flatnonzero(self._lost).tolist():
             self._catch(e, int(self.tables.codes[e, NOW]) - 1)
         self._lost[:] = False
@@ -260,6 +297,7 @@ class FlockBatch:
 
     def _end_in_python(self, e: int) -> None:
         """End a tick that compiled code could not end. Raises NotANumber, or what the loop does."""
+        self._catch_up(e)
         flock, tables = self.flocks[e], self.tables
         flock.tick = int(tables.codes[e, NOW])
         bad_row = int(tables.codes[e, BAD_ROW])

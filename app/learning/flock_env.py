@@ -76,7 +76,7 @@ class FlockEnv(ParallelEnv):
         options: dict[str, Any] | None = None,  # noqa: ARG002 - as in PettingZoo
     ) -> tuple[dict[str, np.ndarray], dict[str, dict[str, Any]]]:
         """Begin anew; with a seed, the run of that seed, else one that follows from the last."""
-        self.batch.restart(0, seed)
+        self.batch.restart([0], [seed])
         self.batch.look(self.batch.all)
         self.agents = self.possible_agents[:]
         return self._seen(self.agents), {name: {} for name in self.agents}

@@ -65,7 +65,8 @@ class FlockVectorEnv(VectorEnv):
     def flocks(self) -> tuple[Flock, ...]:
         """The flocks as they are now; what is made of them counts from the next tick on.
 
-        Once they were asked for, each step looks at each of them, which takes a little longer.
+        Once they were asked for, each step looks at each of them, which takes a little longer, and
+        each is begun anew by itself, which takes several times as long.
         """
         self.batch.share()
         return tuple(self.batch.flocks)
@@ -153,8 +154,8 @@ class FlockVectorEnv(VectorEnv):
         """Begin some flocks anew, and look around in them."""
         if not len(which):
             return
-        for e in which.tolist():
-            self.batch.restart(e, None if seeds is None else seeds[e])
+        flocks = which.tolist()
+        self.batch.restart(flocks, [None if seeds is None else seeds[e] for e in flocks])
         self.batch.look(which)
         self._have_ended[which] = False
 

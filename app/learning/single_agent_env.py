@@ -53,7 +53,7 @@ class SingleAgentEnv(gymnasium.Env):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin anew; with a seed, the run of that seed, else one that follows from the last."""
         super().reset(seed=seed)
-        self.batch.restart(0, seed)
+        self.batch.restart([0], [seed])
         self.batch.look(self.batch.all)
         self._has_ended = False
         return self.batch.tables.seen[0, 0].copy(), {}
