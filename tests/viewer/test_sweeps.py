@@ -18,6 +18,7 @@ from cli.calling import call
 from agents.flock import Flock
 from agents.individuals import normal
 from agents.kinds import Kind, chase, flee, kind_table, replace_kind
+from agents.policies import POLICIES, Policy
 from app.studies.charts.run_group import CellRuns
 from app.studies.run_axes import AGENTS, AxisModels
 from app.studies.runs.database import FILE, Outcome
@@ -510,6 +511,40 @@ def test_the_agents_of_kinds_count_towards_what_may_be_begun():
 def test_an_axis_that_the_kinds_have_not_is_refused_before_anything_is_begun(axis, said):
     with pytest.raises(InputError, match=said):
         SweepRequest(HUNT, [axis], "polarisation", 1, 10).values()
+
+
+UNKNOWN = "unknown policy 'dodge': give its file by --rule FILE.py"
+OF_A_FILE = (
+    "dodge is a policy of a file: its sweeps are begun on the command line, "
+    "flockscope sweep run FILE.toml --rule FILE.py"
+)
+FLOWN = SPEC_OF.with_values(kinds=[Kind("robot", 2, policy="dodge")])
+
+
+@pytest.mark.parametrize(("known", "said"), [(False, UNKNOWN), (True, OF_A_FILE)])
+def test_a_policy_that_the_process_of_a_sweep_has_not_is_refused_before_it_begins(
+    tmp_path, monkeypatch, known, said
+):
+    """As the command line refuses it, whether or not the page itself knows the policy."""
+    if known:
+        monkeypatch.setitem(POLICIES, "dodge", Policy(lambda seen: seen, "dodge"))
+    sweeps = Sweeps(tmp_path)
+    with pytest.raises(InputError) as refusal:
+        sweeps.begin(replace(ASKED, spec=FLOWN))
+    assert str(refusal.value) == said
+    assert not list(tmp_path.iterdir())
+    sweeps.close()
+
+
+def test_a_policy_that_a_sweep_has_not_is_said_beside_the_button(laboratory):
+    """At once, in the line of the command line, and the button cannot be pressed."""
+    panel = laboratory.sweep
+    laboratory.simulation.setup(FLOWN)
+    until(lambda: html.escape(UNKNOWN) in panel.said.content)
+    until(lambda: panel.start.disabled)
+    laboratory.simulation.setup(SPEC_OF)
+    until(lambda: "fs-error" not in panel.said.content)
+    until(lambda: not panel.start.disabled)
 
 
 def test_what_is_gone_on_with_counts_the_agents_of_kinds_too(tmp_path):

@@ -15,6 +15,7 @@ from agents.catalogue import FILES, MODELS
 from agents.kinds import kind_table
 from agents.models.declare import NumberParameter
 from agents.observables.catalogue import OBSERVABLES
+from agents.policies import known_policy
 from agents.spec import CompleteSpec, Spec
 from app.studies.run_axes import (
     AGENTS,
@@ -153,7 +154,6 @@ class SweepRequest:
 
     def values(self) -> dict[str, Any]:
         """What a file says of it, world.toml beside it. Raises InputError."""
-        demand_catalogued(self.spec)
         grid = self.grid()
         run = run_table(self.spec, self.ticks, grid)
         observe = {"name": self.observable} | ({"over": self.over} if self.over else {})
@@ -176,6 +176,7 @@ class SweepRequest:
 
     def grid(self) -> dict[str, list[Any]]:
         """The axes with their values, all that is asked for within bounds. Raises InputError."""
+        demand_sweepable(self.spec)
         grid: dict[str, list[Any]] = {}
         models = AxisModels.of_run(self.spec)
         for axis in self.axes:
@@ -218,14 +219,24 @@ def most_agents(spec: CompleteSpec, grid: Mapping[str, Sequence[Any]]) -> int:
     return int(max(grid.get(AGENTS, [spec.agents])) + spec.informed + sum(kinds))
 
 
-def demand_catalogued(spec: CompleteSpec) -> None:
-    """Refuse a run of a model that only this process knows. Raises InputError."""
+def demand_sweepable(spec: CompleteSpec) -> None:
+    """Refuse a run that the process of a sweep cannot make: it knows no model and no policy of a
+    file, and begins from random places. Raises InputError."""
     for name in spec.models:
         if name in FILES:
             raise InputError(
                 f"{name} is a model of a file: its sweeps are begun on the command line,"
                 " flockscope sweep run FILE.toml"
             )
+    for kind in spec.kinds:
+        if kind.policy:
+            known_policy(kind.policy)
+            raise InputError(
+                f"{kind.policy} is a policy of a file: its sweeps are begun on the command line,"
+                " flockscope sweep run FILE.toml --rule FILE.py"
+            )
+    if spec.start != "random":
+        raise InputError("this run began from given places: a sweep begins from random ones")
 
 
 def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str, Any]:
@@ -233,9 +244,7 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
 
     A world that is none of the built-in ones is in WORLD.
     """
-    demand_catalogued(spec)
-    if spec.start != "random":
-        raise InputError("this run began from given places: a sweep begins from random ones")
+    demand_sweepable(spec)
     run: dict[str, Any] = {"model": spec.model, "ticks": ticks} | spec.chosen
     for name in ("agents", "size", "dim"):
         if (value := getattr(spec, name)) is not None and name not in axes:
