@@ -158,6 +158,55 @@ def test_silence_and_nonsense_are_told_once_and_the_rule_goes_on(answer):
     assert pilot.waits == MISSES
 
 
+@pytest.mark.parametrize("ticks", range(1, MISSES + 2))
+def test_a_run_of_any_length_tells_once_that_its_controller_never_answered(ticks):
+    with controller(lambda _: None) as port:
+        flock, pilot = steered_flock(port, timeout=0.01)
+        flock.run(ticks)
+        flock.end_run()
+        flock.end_run()
+        pilot.close()
+    (line,) = flock.lines
+    last = min(ticks, MISSES) - 1
+    assert f"the controller of kind robot at 127.0.0.1:{port}: no answer within 0.01 s" in line
+    assert f"at tick {last}; " in line
+    assert flock.faults == (line,)
+
+
+def test_a_run_that_is_not_asked_or_was_answered_tells_nothing_at_its_end():
+    is_there = threading.Event()
+    is_there.set()
+    with controller(lambda told: left(told) if is_there.is_set() else None) as port:
+        flock, pilot = steered_flock(port)
+        flock.end_run()
+        flock.run(1)
+        is_there.clear()
+        pilot.address = ControllerAddress("robot", "127.0.0.1", port, 0.01)
+        flock.run(MISSES - 1)
+        flock.end_run()
+        assert not flock.lines
+        flock.run(1)  # of another run, in which nobody has answered
+        flock.end_run()
+        pilot.close()
+    (line,) = flock.lines
+    assert "it never answered, its agents followed their rule" in line
+
+
+@pytest.mark.parametrize("ticks", [1, 2, 5])
+def test_a_short_run_of_the_command_line_says_that_its_controller_is_silent(ticks):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        place = f"127.0.0.1:{line.getsockname()[1]}"
+        run = ["run", "vem", "--agents", "9", "--ticks", str(ticks), "--quiet", "--json"]
+        steer = ["--kind", "robot=2,steered=true", "--steer", f"robot={place}?timeout=0.01"]
+        flown = CliRunner().invoke(app, [*run, *steer])
+    assert flown.exit_code == 0, flown.output
+    told = f"the controller of kind robot at {place}: no answer within 0.01 s"
+    (fault,) = json.loads(flown.stdout)["faults"]
+    assert fault.startswith(told)
+    assert flown.stderr == f"flockscope: {fault}\n"
+
+
 @pytest.mark.parametrize("late", [1, 3])
 def test_a_controller_that_always_answers_another_tick_holds_up_few_ticks(late):
     def answer(told):

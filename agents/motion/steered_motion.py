@@ -27,6 +27,9 @@ class Pilot(Protocol):
     def steer(self, flock: Motion) -> None:
         """Write what its agents wish in the coming tick."""
 
+    def end_run(self, flock: Motion) -> None:
+        """Tell what only the end of a run shows."""
+
 
 class PolicyPilot:
     """Flies all agents of a kind at once, in the order of their identities; once something is wrong
@@ -77,6 +80,9 @@ class PolicyPilot:
             )
         wishes = wishes_of_actions(flock, rows, actions, policy.scale)
         flock.steer(self.kind, wishes[np.argsort(rows)])
+
+    def end_run(self, flock: Motion) -> None:
+        """Nothing is left to tell: silence is told in the tick in which it is noticed."""
 
     def words(self, flock: Motion) -> str:
         """Who does something, and when."""
@@ -131,6 +137,11 @@ class SteeredMotion(HuntingMotion):
         pilot = known.get(kind)
         is_same = pilot is not None and pilot.policy is policy
         return pilot if pilot is not None and is_same else PolicyPilot(kind, policy)
+
+    def end_run(self) -> None:
+        """Let who flies agents from outside tell what only the end of the run shows."""
+        for pilot in self.pilots:
+            pilot.end_run(self)
 
     @property
     def faults(self) -> tuple[str, ...]:

@@ -290,3 +290,5 @@ def serve(laboratory: Any, stopping: StopSignals) -> None:
     finally:
         typer.echo("", err=True)
         laboratory.close()
+        for line in laboratory.notices.unshown():
+            typer.echo(f"flockscope: {line}", err=True)

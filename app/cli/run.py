@@ -169,6 +169,7 @@ def run(
             flock, length, progress, recorder, every, follower.note_values, over or 0, lookout.check
         )
     took = time.perf_counter() - started
+    flock.end_run()
     lookout.check()
     if save and flock.has_ended:
         print_stderr(f"flockscope: {save} is not written: a saved state holds one agent at least")

@@ -32,6 +32,13 @@ class Notices:
             for notice in fresh:
                 client.add_notification("flockscope", notice, color="red", auto_close_seconds=10.0)
 
+    def unshown(self) -> list[str]:
+        """What no browser can be shown any more, each line once."""
+        lines: list[str] = []
+        while not self.waiting.empty():
+            lines.append(self.waiting.get())
+        return list(dict.fromkeys(lines))
+
     def fresh(self) -> set[str]:
         """What is waiting and has not been shown just now."""
         found: set[str] = set()

@@ -135,8 +135,12 @@ class ControllerPilot(Pilot):
         self.socket.setblocking(False)
         self.fault = ""
         """What is wrong while nobody waits for it; empty: it answers."""
+        self.has_answered = False
+        """Whether it has answered in this run."""
         self.misses = 0
         """Ticks one after the other without a right answer."""
+        self.silence = ""
+        """That the last of them has waited in vain, and why."""
         self.pause = 1
         """Ticks from a wait that comes to nothing to the next one, once nobody waits any more."""
         self.next_wait = 0
@@ -207,21 +211,29 @@ class ControllerPilot(Pilot):
         if self.fault:
             self.tell(flock, f"{self.address} answers again at tick {flock.tick}")
         self.fault, self.misses, self.pause = "", 0, 1
+        self.has_answered = True
 
     def note_miss(self, flock: Motion, reason: str) -> None:
         """A tick has waited in vain."""
         self.misses += 1
         self.waits += 1
+        waited = f"within {self.address.timeout:g} s at tick {flock.tick}"
+        self.silence = f"{self.address}: {reason} {waited}"
         if self.fault:
             self.pause = min(2 * self.pause, RAREST)
             self.next_wait = flock.tick + self.pause
         elif self.misses >= MISSES:
-            self.fault = (
-                f"{self.address}: {reason} within {self.address.timeout:g} s at tick {flock.tick}; "
-                "its agents follow their rule until it answers"
-            )
+            self.fault = f"{self.silence}; its agents follow their rule until it answers"
             self.next_wait = flock.tick + self.pause
             self.tell(flock, self.fault)
+
+    def end_run(self, flock: Motion) -> None:
+        """Tell of a run too short for `MISSES`, in which it has never answered; the next begins
+        afresh."""
+        if self.misses and not self.fault and not self.has_answered:
+            self.fault = f"{self.silence}; it never answered, its agents followed their rule"
+            self.tell(flock, self.fault)
+        self.has_answered, self.misses, self.pause, self.next_wait = False, 0, 1, 0
 
     def tell(self, flock: Motion, line: str) -> None:
         """Tell a line; of one that comes and goes all the time not all."""

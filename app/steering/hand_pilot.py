@@ -134,6 +134,9 @@ class HandPilot:
             self.hands.clear()
             self.released.clear()
 
+    def end_run(self, flock: Motion) -> None:
+        """Nothing is left to tell: people see what they steer."""
+
     def steer(self, flock: Motion) -> None:
         """Write what the steered agents wish in the coming tick; those that are gone are let go."""
         self.let_go_of_silent()

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import socket
+from dataclasses import replace
 
 import pytest
 
 from agents import catalogue, policy_process
 from agents.kinds import Kind
 from agents.policies import POLICIES
+from app.front.notices import Notices
 from app.steering.controller_pilot import ControllerAddress, ControllerPilot
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
@@ -87,3 +89,31 @@ def test_a_controller_that_is_silent_is_told_and_the_flock_runs_on():
         assert simulation.state.running
         simulation.close()
         pilot.close()
+
+
+def test_a_run_too_short_for_a_silent_controller_tells_it_when_it_ends():
+    """By a run that follows, or with the laboratory; once, not for each run."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        address = ControllerAddress("robot", "127.0.0.1", line.getsockname()[1], 0.01)
+        pilot = ControllerPilot(address)
+        simulation = running(Kind("robot", 1, steered=True), pilots=[pilot], running=False)
+        simulation.step().result(COMPILED)
+        assert simulation.notices.empty()
+        simulation.reset().result(COMPILED)
+        told = simulation.notices.get(timeout=COMPILED)
+        assert told.startswith(f"{address}: no answer within 0.01 s at tick 0; it never answered")
+        simulation.step().result(COMPILED)
+        simulation.reset().result(COMPILED)
+        simulation.close()
+        pilot.close()
+    assert simulation.notices.empty()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        pilot = ControllerPilot(replace(address, port=line.getsockname()[1]))
+        simulation = running(Kind("robot", 1, steered=True), pilots=[pilot], running=False)
+        simulation.step().result(COMPILED)
+        simulation.close()
+        pilot.close()
+    (told,) = Notices(None, simulation.notices).unshown()
+    assert "it never answered" in told

@@ -177,6 +177,13 @@ class SimulationThread:
             except Exception as error:
                 self.fail(error)
             self.keeping.note()
+        self.end_run()
+
+    def end_run(self) -> None:
+        """Have who flies agents tell what only the end of a run shows."""
+        if self.run is not None:
+            for pilot in self.pilots:
+                pilot.end_run(self.run.flock)
 
     def carry_out_commands(self) -> None:
         """Carry out what was told; wait for it if there is nothing else to do.
@@ -236,6 +243,7 @@ class SimulationThread:
         if trial is None or trial.fault or trial.has_paused or run.flock.tick < trial.last:
             return False
         trial.has_paused = True
+        self.end_run()
         self.state = replace(self.state, running=False, rate=0.0)
         self.stale = True
         return True
@@ -290,6 +298,7 @@ class SimulationThread:
             return
         (spec, beside, stored), self.next = self.next, None
         trial, self.next_trial = self.next_trial, None
+        self.end_run()
         self.told.clear()
         self.hands.begin()
         self.end_trials(self.run, None if self.preview is None else self.preview.coming)
