@@ -244,6 +244,21 @@ def test_a_controller_that_comes_back_steers_again():
         pilot.close()
 
 
+def test_a_run_that_begins_again_has_no_pauses_of_the_run_before():
+    """They are counted by its ticks, and ticks begin at 0 again."""
+
+    def late(told):
+        return left(told) | {"tick": told["tick"] - 1}
+
+    with controller(late) as port:
+        flock, pilot = steered_flock(port, timeout=0.01)
+        flock.run(100)
+        assert pilot.next_wait > MISSES
+        flock.end_run()
+        assert (pilot.next_wait, pilot.pause) == (0, 1)
+        pilot.close()
+
+
 def test_nobody_listens_and_others_are_not_heard():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
         line.bind(("127.0.0.1", 0))
