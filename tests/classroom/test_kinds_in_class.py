@@ -27,6 +27,7 @@ from app.classroom.question_service import QuestionService
 from app.classroom.student import Role
 from app.classroom.workers.laboratory_worker import Laboratories
 from app.studies.sweeps.checked_sweep import read_sweep
+from app.viewer.editing.editor import disc
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.run_preset import preset_spec
 from tests.classroom.small import WHEN
@@ -239,6 +240,11 @@ class ChangedLaboratories(Laboratories):
         else:
             simulation.set_kind(kind, name, value).result(60)
 
+    def edit(self, whose: int) -> None:
+        """Put an obstacle into the world."""
+        change = self.all[whose].simulation.edits.change
+        change(lambda editor: editor.add(disc((1.0, 1.0), 0.2))).result(60)
+
     def open_other(self, whose: int) -> None:
         """Open another scene of the gallery."""
         self.all[whose].open(SavedScene("Other", preset_spec("vem", agents=9)))
@@ -266,6 +272,8 @@ def test_a_student_on_the_server_has_the_sliders_of_their_kind_alone(
         for student, kind, said in ((ada, "flock", "v0"), (bo, "shark", "v0 of shark")):
             with pytest.raises(Exception, match=f"you play {student.kind}: {said} cannot be"):
                 await room.flocks.tell_own(student, "change", kind, "v0", 0.01)
+        with pytest.raises(Exception, match="you play shark: the world cannot be changed here"):
+            await room.flocks.tell_own(ada, "edit")
         await room.flocks.tell_own(ada, "change", "shark", "v0", 0.07)
         with pytest.raises(Exception, match=r"you play shark: .* cannot be changed here"):
             await room.flocks.tell_own(ada, "open_other")

@@ -8,6 +8,7 @@ import pytest
 from agents.flock import Flock
 from agents.individuals import normal
 from agents.kinds import Kind, chase, flee, kind_table
+from app.viewer.editing.editor import Editor, disc
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.played_kind import PlayedKind, with_kinds_apart
@@ -46,6 +47,11 @@ def test_a_kind_by_a_model_of_its_own_shares_nothing_and_keeps_its_model():
     assert apart.kinds[0].parameters == {}
     role = PlayedKind("shark", apart)
     role.demand_run(apart, None)
+    own = PlayedKind("loner", apart)
+    kind = apart.kinds[0]
+    own.demand_run(apart.but(kinds=[kind.with_parameters({"v0": 0.05}), apart.kinds[1]]), None)
+    with pytest.raises(InputError, match="you play loner: dt of loner cannot be changed here"):
+        own.demand_run(apart.but(kinds=[kind.with_parameters({"dt": 1.0}), apart.kinds[1]]), None)
     with pytest.raises(InputError, match="the model of loner cannot be changed here"):
         role.demand_run(apart.but(kinds=[Kind("loner", 2), apart.kinds[1]]), None)
 
@@ -70,6 +76,7 @@ def test_a_kind_by_a_model_of_its_own_shares_nothing_and_keeps_its_model():
         ("shark", {"kinds": [], "to": {}}, "the number of shark"),
         ("shark", {"to": {"shark": flee(9.0)}}, "what flock does about shark"),
         ("flock", {"to": {"shark": flee(9.0)}}, ""),
+        ("flock", {"to": {"shark": flee(2.0, 1.5, power=2.0)}}, "what flock does about shark"),
         ("flock", {"to": {"shark": chase(9.0)}}, "what flock does about shark"),
     ],
 )
@@ -105,11 +112,10 @@ def played(tmp_path_factory):
 
 
 def test_only_the_sliders_of_the_kind_that_is_played_are_there(played):
-    played.refresh()
     panel = played.kinds
-    assert "You are: shark" in panel.listed.content
+    until(lambda: "You are: shark" in panel.listed.content and not panel.predator.visible)
+    until(lambda: {"weight", "radius", "catch", "own"} == {*panel.sliders})
     assert panel.which.value == "shark"
-    assert {"weight", "radius", "catch", "own"} == {*panel.sliders}
     hidden = (panel.predator, panel.form, panel.which, panel.number, panel.remove, panel.deed)
     assert not any(control.visible for control in (*hidden, played.parameters.folder))
     assert not any(control.visible for control in played.parameters.controls.values())
@@ -126,6 +132,11 @@ def test_only_the_sliders_of_the_kind_that_is_played_are_there(played):
         (lambda it: it.relate("flock", "shark", "weight", 3.0), "what flock does about shark"),
         (lambda it: it.relate("shark", "flock", "deed", "ignore"), "what shark does about flock"),
         (lambda it: it.paint_kind("whale", "#123456"), "the colour of whale"),
+        (lambda it: it.paint_kind("shark", "#123456"), "the colour of shark"),
+        (lambda it: it.edits.change(Editor.clear), "the world"),
+        (lambda it: it.edits.change(lambda editor: editor.add(disc((2, 2), 0.1))), "the world"),
+        (lambda it: it.edits.open_layout("pond.toml", b"nonsense"), "the world"),
+        (lambda it: it.place(0, np.ones(2), np.array([1.0, 0.0])), "the place of an agent"),
         (lambda it: it.set("eta", 3.0), "eta"),
         (lambda it: it.move("v0", 0.1), "v0"),
         (lambda it: it.spread("v0", 0.01), "v0"),
@@ -178,10 +189,8 @@ def test_who_plays_the_ordinary_agents_has_their_sliders_and_no_others(played):
     played.open_played(SavedScene("Hunt", SPEC), "flock")
     until(lambda: played.simulation.state.spec.seed == 4 and not played.simulation.state.busy)
     until(lambda: (one := played.parameters.controls.get("eta")) and one.visible)
-    played.refresh()
-    assert not played.parameters.controls["k"].visible
-    assert played.kinds.which.value == "flock"
-    assert not played.kinds.own_place.visible
+    until(lambda: (one := played.parameters.controls.get("k")) and not one.visible)
+    until(lambda: played.kinds.which.value == "flock" and not played.kinds.own_place.visible)
     whale = played.simulation.state.kinds.kind("whale")
     played.simulation.move("v0", 0.04).result(60)
     assert played.simulation.state.values["v0"] == 0.04
@@ -191,3 +200,16 @@ def test_who_plays_the_ordinary_agents_has_their_sliders_and_no_others(played):
     played.open_played(SavedScene("Hunt", SPEC), "")
     until(lambda: (one := played.parameters.controls.get("k")) and one.visible)
     played.simulation.set("k", 3).result(60)
+
+
+def test_who_plays_nothing_any_more_has_the_world_and_its_tools_again(played):
+    played.open_played(SavedScene("Hunt", SPEC), "shark")
+    tools = (played.world.tool, played.world.clear, played.world.open, played.setup.agents)
+    until(lambda: not any(control.visible for control in tools))
+    with pytest.raises(InputError, match="you play shark: the world cannot be changed here"):
+        played.simulation.edits.change(Editor.clear).result(60)
+    played.open_played(SavedScene("Hunt", SPEC), "")
+    until(lambda: all(control.visible for control in tools))
+    until(lambda: not played.simulation.state.busy)
+    played.simulation.edits.change(lambda editor: editor.add(disc((2, 2), 0.1))).result(60)
+    assert len(played.simulation.run.flock.world.obstacles) == 1

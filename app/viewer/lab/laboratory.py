@@ -569,7 +569,7 @@ class Laboratory:
         self.guide.show(client, self.simulation.state.spec.model)
 
     async def steering_switched(self, _event: viser.GuiEvent) -> None:
-        self.scene.show_leader_gizmo(self.view.steer.value)
+        self.scene.show_leader_gizmo(self.view.steer.value and self.simulation.played is None)
 
     def clicked(
         self, row: int | None, origin: np.ndarray, direction: np.ndarray, beside: bool = False
@@ -678,12 +678,16 @@ class Laboratory:
         state, readings = self.simulation.state, self.simulation.readings
         scene = self.told_scene()
         by_hand = self.simulation.hands.steered
+        played = self.simulation.played
+        if played is not None and self.view.steer.value:  # from before: it has no switch any more
+            set_value(self.view.steer, False)
+            self.scene.show_leader_gizmo(False)
         self.run.refresh(state, scene, by_hand)
         self.lesson.follow(scene, state)
         self.lesson_form.refresh(scene, state.spec.model)
         self.time_line.refresh(state, self.simulation.frame)
         self.setup.catch_up(state.spec)
-        self.setup.refresh(state)
+        self.setup.refresh(state, played is not None)
         self.tracks.refresh(state)
         if self.fit_panel is not None:
             self.fit_panel.refresh(state)
@@ -701,7 +705,8 @@ class Laboratory:
         self.measure(state, frame, readings)
         if self.pointing is None:  # else another flock, whose look is there already, is coming
             self.view.set_defaults(drawing_defaults(state.spec))
-            self.view.fit(frame, measurable(MODELS[state.spec.model].columns, frame.own))
+            numbers = measurable(MODELS[state.spec.model].columns, frame.own)
+            self.view.fit(frame, numbers, played is None)
         self.monitors.colours(look, frame)
         for client in self.server.get_clients().values():
             self.sight_lines.show(client, self.scene.in_sight(client))
@@ -711,7 +716,8 @@ class Laboratory:
         self.keep_selected(looked_at)
         drawn_at = self.scene.display_place(self.selected, int(self.selected_beside))
         by_hand = frozenset() if self.selected_beside else by_hand
-        self.inspector.refresh(looked_at, self.selected, drawn_at, by_hand)
+        kind = "" if played is None else played.name
+        self.inspector.refresh(looked_at, self.selected, drawn_at, by_hand, kind)
         if self.selected is not None and looked_at.inspected is None:
             self.simulation.look_again()
 

@@ -95,13 +95,18 @@ def demand_steered(simulation: Simulation, run: int, agent: int) -> None:
     if state.line is not None and (state.line.recording or state.line.looks_back):
         raise InputError("this is a tick of the past: nobody steers there")
     rows = np.flatnonzero(frame.ids == agent)
-    if not len(rows) or not is_steered(frame, int(rows[0])):
+    kind = steered_kind(frame, int(rows[0])) if len(rows) else ""
+    if not kind:
         raise InputError(f"agent {agent} cannot be steered: its kind is not, or it is gone")
+    if simulation.played is not None:
+        simulation.played.demand_steering(kind)
 
 
-def is_steered(frame: Frame, row: int) -> bool:
-    """Whether the agent of a row is of a kind that is steered, and still flies."""
+def steered_kind(frame: Frame, row: int) -> str:
+    """The kind of the agent of a row; empty where that is not steered, or the agent flies no
+    more."""
     if frame.kind is None or frame.is_down[row]:
-        return False
+        return ""
     number = int(frame.kind[row])
-    return number > 0 and frame.kinds.kinds[number - 1].steered
+    kind = frame.kinds.kinds[number - 1] if number > 0 else None
+    return kind.name if kind is not None and kind.steered else ""

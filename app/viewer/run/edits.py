@@ -19,6 +19,7 @@ from app.viewer.editing.free_places import move_out
 from app.viewer.editing.layout_file import layout_from_browser
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.paired_run import companion
+from app.viewer.run.played_kind import PlayedKind
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.frame import Frame
@@ -37,6 +38,7 @@ class EditsHost(Protocol):
     state: SimulationState
     stale: bool
     keeping: SimulationLimits
+    played: PlayedKind | None
 
     def tell(self, command: Callable[[], Any], key: str = "") -> Future: ...
 
@@ -109,7 +111,7 @@ class Edits:
     def prepare(self) -> None:
         """Compile the model for obstacles in a thread aside, so that the first one comes sooner."""
         run, state = self.host.run, self.host.state
-        if run is None or run.flock.world.is_solid:
+        if run is None or run.flock.world.is_solid or self.host.played is not None:
             return
         dim = run.flock.world.dim
         kind = f"{state.models} {dim} {state.spec.chosen}"
@@ -121,7 +123,14 @@ class Edits:
 
     # The simulation's own thread.
 
+    def demand_editable(self) -> None:
+        """Raise InputError where who sits before it plays a kind of agents: the world is not its
+        own."""
+        if self.host.played is not None:
+            raise self.host.played.refuse("the world")
+
     def edit_now(self, change: Change) -> None:
+        self.demand_editable()
         run, before = self.host.require_run(), self.editor
         if before is None:
             raise InputError("there is no world to change yet")
@@ -142,6 +151,7 @@ class Edits:
     def drag_now(self, gesture: str) -> None:
         with self.drags_lock:
             change = self.drags.pop(gesture, None)
+        self.demand_editable()  # told, unlike what only this step of the drag cannot be
         with contextlib.suppress(InputError):
             if change is not None:
                 self.edit_now(change)
@@ -156,6 +166,7 @@ class Edits:
         options: Mapping[str, Any],
         ask: Callable[[PlanQuestion], None] | None,
     ) -> None:
+        self.demand_editable()
         try:
             world = layout_from_browser(name, content, options)
         except PlanQuestion as question:

@@ -1,7 +1,7 @@
 """A kind of agents that a person plays: nothing of the run but its own numbers may change.
 
 It is checked in the thread of the simulation, where all that changes a run comes by, whatever
-controls a page shows.
+controls a page shows; and where a person asks to steer an agent by hand.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.catalogue import MODELS
-from agents.kinds import ORDINARY, KindTable, kind_table, replace_kind
+from agents.kinds import ORDINARY, Kind, KindTable, kind_table, replace_kind
 from agents.models.declare import checked
 from agents.spec import OPTIONS, Spec
 from worlds.input_error import InputError, unknown
@@ -53,6 +53,10 @@ class PlayedKind:
         agents those in which agents may differ."""
         return MODELS[self.spec.model].individual if self.name == ORDINARY else ()
 
+    def own_of(self, kind: Kind) -> tuple[str, ...]:
+        """The parameters of which a kind may have numbers of its own."""
+        return MODELS[kind.model or self.spec.model].individual
+
     def demand_run(self, spec: Spec, beside: Spec | None) -> None:
         """Raise InputError for a run that differs by more than its own numbers and the seed."""
         if beside is not None:
@@ -77,6 +81,11 @@ class PlayedKind:
         if beside or name not in self.own:
             raise self.refuse(name)
 
+    def demand_steering(self, kind: str) -> None:
+        """Raise InputError for steering agents of another kind by hand."""
+        if kind != self.name:
+            raise self.refuse(f"the steering of {kind}")
+
     def demand_kinds(self, kinds: KindTable) -> None:
         """Raise InputError for kinds that differ by more than its own numbers."""
         begun = self.others(kind_table(self.spec.kinds, self.spec.to))
@@ -93,12 +102,16 @@ class PlayedKind:
             values[f"the start of {kind.name}"] = kind.start
             values[f"the steering of {kind.name}"] = kind.steered, kind.policy
             values[f"the model of {kind.name}"] = kind.model
-            if kind.name != self.name:
-                values[f"the colour of {kind.name}"] = kind.colour
-                values |= {f"{key} of {kind.name}": own for key, own in kind.parameters.items()}
+            values[f"the colour of {kind.name}"] = kind.colour
+            free = self.own_of(kind) if kind.name == self.name else ()
+            values |= {
+                f"{key} of {kind.name}": own
+                for key, own in kind.parameters.items()
+                if key not in free
+            }
         for (name, other), relation in kinds.relations.items():
             is_own = name == self.name
-            what = (relation.deed, relation.caught, relation.first)
+            what = (relation.deed, relation.power, relation.first, relation.caught)
             values[f"what {name} does about {other}"] = what if is_own else relation
         return values
 

@@ -699,6 +699,8 @@ class SimulationThread:
         return 0.0 if is_other else (run.beside_values if beside else run.values)[name]
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
+        if self.played is not None:
+            raise self.played.refuse("the place of an agent")
         place = free_place(self.require_run(), position)
         self.change(lambda run: run.place(row, place, heading))
         self.stale = True

@@ -50,6 +50,6 @@ class FlockView(ViewPanel):
         if event.client is not None:
             self.point(event.client, RIDE)
 
-    def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
+    def fit(self, frame: Frame, numbers: tuple[str, ...] = (), is_steerable: bool = True) -> None:
         super().fit(frame, numbers)
-        set_visible(self.steer, bool(frame.informed.any()))
+        set_visible(self.steer, is_steerable and bool(frame.informed.any()))

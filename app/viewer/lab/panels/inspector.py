@@ -20,7 +20,7 @@ from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.agent_rows import CAUSES, Crashes
 from app.front.viser_internals import identifier
 from app.steering.hand_pilot import ways_of
-from app.viewer.lab.steer_requests import is_steered
+from app.viewer.lab.steer_requests import steered_kind
 from app.viewer.measuring import observable_format
 from app.viewer.panels.dials import plain_symbol, set_visible
 from app.viewer.panels.shell import block, table
@@ -325,10 +325,12 @@ class Inspector:
         row: int | None,
         at: Iterable[float] = (),
         by_hand: Collection[int] = (),
+        played: str = "",
     ) -> None:
         """Show the agent of a row as it is now; nothing for None or a row that is not there.
 
-        `at` (3,) is where it is drawn; `by_hand`, the identities of those whom people steer.
+        `at` (3,) is where it is drawn; `by_hand`, the identities of those whom people steer;
+        `played`, the kind whose agents alone can be steered here; empty: all.
         """
         exists = row is not None and row < len(frame.ids)
         if exists and not self.panel.visible:
@@ -344,7 +346,8 @@ class Inspector:
                 words += f'<div class="fs-quiet">{BY_HAND}</div>'
         place = " ".join(f"{value:.4f}" for value in np.asarray(at, float))
         mark = f'data-agent="{html.escape(frame.title)} {frame.ids[row]}" data-at="{place}"'
-        set_visible(self.steer, is_steered(frame, row))
+        kind = steered_kind(frame, row)
+        set_visible(self.steer, bool(kind) and played in ("", kind))
         if self.steer.visible and inspection is not None and inspection.model is not None:
             ways = " ".join(ways_of(inspection.model.rule.wish, frame.dim))
             mark += f' data-steer="{frame.ids[row]}" data-run="{frame.run}" data-ways="{ways}"'

@@ -15,7 +15,7 @@ from agents.kinds import NO_KINDS
 from agents.models.model import Model
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Options, Spec
 from app.front.controls import set_value
-from app.viewer.panels.dials import handle
+from app.viewer.panels.dials import handle, set_visible
 from app.viewer.panels.shell import block
 from app.viewer.run.run_preset import (
     MOST_AGENTS,
@@ -70,7 +70,10 @@ class SetupPanel:
         )
         acts = [name for name in Options.model_fields if name not in Conditions.model_fields]
         self.plain = {name: add_plain_control(gui, name, getattr(spec, name)) for name in acts}
-        with gui.add_folder("Messages and wind", expand_by_default=spec.is_late or spec.is_windy):
+        self.conditions = gui.add_folder(
+            "Messages and wind", expand_by_default=spec.is_late or spec.is_windy
+        )
+        with self.conditions:
             self.plain |= {
                 name: add_plain_control(gui, name, getattr(spec, name))
                 for name in Conditions.model_fields
@@ -203,8 +206,14 @@ class SetupPanel:
         set_value(self.world, words)
         self.fit()
 
-    def refresh(self, state: SimulationState) -> None:
-        """Say what differs from the running flock; after a set-up nothing does."""
+    def refresh(self, state: SimulationState, played: bool = False) -> None:
+        """Say what differs from the running flock; after a set-up nothing does.
+
+        `played`: whether who sits before it plays a kind of agents: then the seed alone is theirs.
+        """
+        for control in (self.model, self.summary, self.beside, self.agents, self.world, self.dim,
+                        self.size, self.conditions, *self.plain.values()):  # fmt: skip
+            set_visible(control, not played)
         self.running = state.spec, state.beside
         if state.run != self.shown_run:
             self.shown_run = state.run

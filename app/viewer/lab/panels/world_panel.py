@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import html
 import time
 from collections.abc import Callable
 from typing import Any
@@ -249,6 +250,10 @@ class WorldPanel(WorldControls):
 
     async def choose_tool(self, _event: viser.GuiEvent) -> None:
         self.corners.clear()
+        played = self.simulation.played
+        if played is not None and self.tool.value != SELECT:
+            self.simulation.notices.put(str(played.refuse("the world")))
+            set_value(self.tool, SELECT)
         if self.tool.value != SELECT:
             self.selected = 0
             self.simulation.edits.prepare()
@@ -375,9 +380,15 @@ class WorldPanel(WorldControls):
         editor = self.editor
         if editor is None:
             return
+        played = self.simulation.played
+        if played is not None:  # what was chosen before has no control any more
+            self.selected = 0
+            self.corners.clear()
+            for control, value in ((self.tool, SELECT), (self.goal, False)):
+                set_property(control, "value", value)
         resting = time.monotonic() - self.touched > PAUSE
         corners = tuple(self.corners)
-        now = (editor, self.selected, self.tool.value, self.goal.value, corners, resting)
+        now = (editor, self.selected, self.tool.value, self.goal.value, corners, resting, played)
         if len(now) == len(self.shown) and all(
             a is b or (k and a == b) for k, (a, b) in enumerate(zip(now, self.shown, strict=True))
         ):
@@ -389,10 +400,15 @@ class WorldPanel(WorldControls):
         mission = editor.world.mission
         goal = mission is not None and mission.goal is not None
         self.fit(editor.world)
+        for tool in (self.tool, self.which, self.acts, self.clear, self.open):
+            set_property(tool, "visible", played is None)
         self.measure(obstacle, resting)
         self.list(editor, self.selected)
-        set_property(self.goal, "visible", goal)
+        set_property(self.goal, "visible", goal and played is None)
         set_property(self.close, "visible", self.tool.value == POLYGON)
         set_property(self.clear, "disabled", not editor.now.keys)
-        self.note.content = block(describe_tools(editor, self.tool.value, obstacle, len(corners)))
+        told = describe_tools(editor, self.tool.value, obstacle, len(corners))
+        if played is not None:
+            told = f'<div class="fs-quiet">{html.escape(str(played.refuse("the world")))}</div>'
+        self.note.content = block(told)
         self.show_marks(Marks(self.selected, obstacle, goal and self.goal.value, corners))
