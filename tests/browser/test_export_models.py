@@ -67,7 +67,7 @@ def move_sliders(flock: Flock, sliders: list[dict]) -> list[tuple[str, float]]:
 @pytest.mark.parametrize("model", MODELS)
 def test_a_page_flies_every_model_as_here(page, model, monkeypatch):
     # What pages measure is the same code in each, and most of the time that a page takes to make.
-    monkeypatch.setattr("agents.web.web_program.web_measures", lambda _: [])
+    monkeypatch.setattr("agents.web.web_program.web_measures", lambda *_: [])
     if model in REFUSED:
         with pytest.raises(InputError, match=REFUSED[model]) as caught:
             web_program(Flock(model, rng=3))
