@@ -63,6 +63,18 @@ class Stub:
             yield MocapFrame(number, time.monotonic(), (car1, car2), 0.01 * number)
 
 
+class LateStub(Stub):
+    """Its process begins late: it takes 2 s to be unpacked there."""
+
+    def __reduce__(self):
+        return late_stub, ()
+
+
+def late_stub():
+    time.sleep(2.0)
+    return LateStub()
+
+
 class StubSimulator:
     """One car that is as far along x as seconds have passed; `work(seconds)` is done at a step."""
 

@@ -17,7 +17,7 @@ from app.live.sources import feed as feed_module
 from app.live.sources import simulated_source
 from app.live.sources.feed import KEPT, Feed
 from app.live.sources.simulated_source import SimulatedSource
-from tests.live.stub_sources import Stub, StubSimulator, Undeclared
+from tests.live.stub_sources import LateStub, Stub, StubSimulator, Undeclared
 from tests.live.waiting import HandClock, until
 from worlds.input_error import InputError
 
@@ -85,6 +85,22 @@ def test_a_source_that_hangs_as_it_connects_is_given_up_and_ended():
         )
         assert gone(process)
     assert feed.state == "failed"
+
+
+def test_the_time_to_connect_counts_from_when_the_process_has_begun():
+    with Feed(LateStub(), timeout=1.0) as feed:
+        assert feed.first(WITHIN)
+        assert feed.trouble == ""
+
+
+def test_a_process_that_does_not_begin_is_told_and_begun_again(monkeypatch):
+    monkeypatch.setattr(feed_module, "BEGINNING", 0.2)
+    monkeypatch.setattr(feed_module, "PAUSE", 30.0)
+    with Feed(LateStub()) as feed:
+        until(lambda: feed.trouble)
+        assert feed.state == "pausing"
+        told = "its process has not begun within 0.2 s; it is opened again in 30 s"
+        assert feed.trouble == f"stub that is steady: {told}"
 
 
 def test_a_source_that_hangs_between_frames_only_grows_old_and_is_ended_on_closing():

@@ -41,7 +41,7 @@ BEAT = 1.0
 """Seconds between two signs of life, where the library leaves the interpreter free meanwhile."""
 
 type Message = (
-    tuple[Literal["connected", "ended", "alive"], None]
+    tuple[Literal["begun", "connected", "ended", "alive"], None]
     | tuple[Literal["trouble"], str]
     | tuple[Literal["frame"], MocapFrame]
 )
@@ -53,7 +53,7 @@ says, and the machine that drives the cars would stall."""
 
 
 def serve(source: Source, line: Connection, timeout: float) -> None:
-    """Send through `line` that the source is connected, its frames, its trouble and its end."""
+    """Send through `line` that the source is asked and connected, its frames, trouble and end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which ends us
     silence_output()
     ProcessLimits(memory=MEMORY).apply()
@@ -103,6 +103,7 @@ def silence_output() -> None:
 def _outcome(source: Source, stop: threading.Event, line: _ToParent, timeout: float) -> Message:
     """Pass on the frames until there are no more; how that came about."""
     try:
+        line.send(("begun", None))
         frames = _connected(source, stop, timeout)
         line.send(("connected", None))
         for frame in frames:
@@ -151,6 +152,8 @@ KEPT = 2048
 
 PAUSE, LONGEST_PAUSE = 1.0, 30.0
 """Seconds before a source is opened again: at first, and at most, doubled each time between."""
+BEGINNING = 60.0
+"""Seconds that a process has to begin: on a busy machine it takes some."""
 SILENT = 10.0
 """Seconds without frame or sign of life after which a child is ended: its library hangs and holds
 the interpreter, as some do on a forged count."""
@@ -177,7 +180,7 @@ class Feed:
     """The frames of a source, from a child process that starts at once.
 
     No method but `first` and `close` ever waits. `timeout` is how many seconds the source has to
-    connect, the start of the process included; one that hangs longer is ended.
+    connect, from when its process has begun; one that hangs longer is ended.
 
     A source that was connected, or whose process was killed, is opened again after a pause if it
     fails: the numbers of its frames go on, and `trouble` stays until its next frame. One that fails
@@ -211,7 +214,7 @@ class Feed:
     def _open(self) -> None:
         """Start a child that opens the source. Raises OSError if no process can be started."""
         spawn = multiprocessing.get_context("spawn")
-        deadline = time.monotonic() + self.timeout
+        deadline = time.monotonic() + BEGINNING
         line, child_end = spawn.Pipe(duplex=True)
         with child_end:
             process = spawn.Process(
@@ -226,7 +229,7 @@ class Feed:
                 line.close()
                 raise
         self._line, self._process, self._deadline = line, process, deadline
-        self._began = None
+        self._has_begun, self._began = False, None
         self._state = "connecting"
 
     def latest(self) -> MocapFrame | None:
@@ -340,7 +343,7 @@ class Feed:
         return self._state in ("connecting", "waiting", "streaming")
 
     def _seconds_left(self) -> float:
-        """Seconds until the child is given up: to connect, then to its next sign of life."""
+        """Seconds until the child is given up: to begin, to connect, to its next sign of life."""
         if self._state != "connecting":
             return SILENT
         return max(0.0, self._deadline - time.monotonic())
@@ -361,6 +364,8 @@ class Feed:
             case ("alive", _):
                 if self._lives and self._state != "connecting":
                     self._demand_frames()
+            case ("begun", _):
+                self._has_begun, self._deadline = True, time.monotonic() + self.timeout
             case ("connected", _):
                 self._newest = time.monotonic()
                 self._state = "waiting"
@@ -395,7 +400,9 @@ class Feed:
     def _give_up(self) -> None:
         with self._ending:
             self._kill()
-        if self._state == "connecting":
+        if not self._has_begun:
+            self._fail(f"its process has not begun within {BEGINNING:g} s", crashed=True)
+        elif self._state == "connecting":
             self._fail(f"no connection within {self.timeout:g} s, given up")
         else:
             self._fail(f"no frame and no sign of life for {SILENT:g} s, ended")
