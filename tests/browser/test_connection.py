@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-
 import numpy as np
 import pytest
 
 from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.panels.shell import set_look
+from tests.browser.window import is_new
 from tests.viewer.waiting import until
 
 AWAY = (5.0, 30.0, 150.0)
@@ -25,13 +24,6 @@ def opened(port: int = 0):
     server.gui.add_button("Here")
     admit_browsers(server)
     return server
-
-
-def is_new(page) -> bool:
-    """Whether a page has been loaded since it was marked."""
-    with suppress(Exception):  # it is being loaded
-        return not page.evaluate("window.before === true")
-    return False
 
 
 def said(page) -> float:

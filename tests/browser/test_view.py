@@ -43,16 +43,18 @@ def own(request, chromium, laboratory, window):
     width, height = request.param
     known = set(laboratory.server.get_clients())
     page = chromium.new_page(viewport={"width": width, "height": height})
-    with obeyed(page):
-        page.goto(laboratory.address)
-        page.locator(".fs-card").first.wait_for(state="attached", timeout=90_000)
-        client = client_of(laboratory, known)
-        until(lambda: client.camera.image_width > 0, 60)
-        page.wait_for_timeout(1500)
-        Window.close_notices(SimpleNamespace(page=page))
-        yield page, client
-    laboratory.select(None)
-    page.close()
+    try:
+        with obeyed(page):
+            page.goto(laboratory.address)
+            page.locator(".fs-card").first.wait_for(state="attached", timeout=90_000)
+            client = client_of(laboratory, known)
+            until(lambda: client.camera.image_width > 0, 60)
+            page.wait_for_timeout(1500)
+            Window.close_notices(SimpleNamespace(page=page))
+            yield page, client
+        laboratory.select(None)
+    finally:
+        page.close()
     until(lambda: client.client_id not in laboratory.server.get_clients(), 60)
 
 

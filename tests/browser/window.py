@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,13 @@ from tests.viewer.waiting import until
 def is_compiled(simulation: Simulation) -> bool:
     """Whether what is shown is the run itself and no preview of it."""
     return not simulation.state.busy and simulation.state.compiling is None
+
+
+def is_new(page: Any) -> bool:
+    """Whether a page has been loaded since it was marked by `window.before = true`."""
+    with suppress(Exception):  # it is being loaded
+        return not page.evaluate("window.before === true")
+    return False
 
 
 class Window:
@@ -52,6 +60,10 @@ class Window:
     def number(self, control: Any) -> Any:
         """The box for the number of a slider."""
         return self.page.locator(f'[id="{control._impl.uuid}"] ~ div input')
+
+    def box(self, control: Any) -> Any:
+        """The field of a number that has no slider."""
+        return self.page.locator(f'input[id="{control._impl.uuid}"]')
 
     def enter(self, control: Any, value: str) -> None:
         """Type a number beside a slider."""
