@@ -129,11 +129,12 @@ def laboratory(served):
     simulation.pause()
     simulation.run_at(60.0)
     served.select(None)
+    controls = served.parameters.controls
     served.parameters.expect_scene()
     simulation.setup(START)
     refill(served.setup)
     until(lambda: simulation.state.run > before and simulation.frame.run == simulation.state.run)
-    until(lambda: served.parameters.last_run is None)
+    until(lambda: served.parameters.controls is not controls)
     until(lambda: served.parameters.controls.keys() >= simulation.state.values.keys() > set())
     until(lambda: is_compiled(simulation), COMPILED)
     until(lambda: served.drawing.drawn and served.drawing.drawn[0] is simulation.frame)

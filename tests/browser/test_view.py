@@ -36,6 +36,12 @@ def on_page(page, laboratory, client, row) -> tuple[float, float]:
     )
 
 
+def in_sight(page, place) -> bool:
+    """Whether nothing lies over the picture there; notices, which may come late, are closed."""
+    Window.close_notices(SimpleNamespace(page=page))
+    return page.evaluate("([x, y]) => document.elementFromPoint(x, y)?.matches('canvas')", place)
+
+
 @pytest.fixture(params=[(1100, 700), (390, 844)], ids=["wide", "phone"])
 def own(request, chromium, laboratory, window):
     """A page beside the window, and its browser as the laboratory knows it."""
@@ -95,9 +101,9 @@ def test_the_buttons_turn_it_after_a_list_had_the_focus(window, laboratory):
     window.tab("View")
     page.get_by_label("Trail", exact=True).focus()
     page.get_by_label("Camera: perspective (key 2)").click()
-    until(lambda: tilt(client) < 1.2, 10, "perspective")
+    until(lambda: tilt(client) < 1.2, 60, "perspective")
     page.get_by_label("Camera: top-down (key 1)").click()
-    until(lambda: tilt(client) > 1.5, 10, "top-down")
+    until(lambda: tilt(client) > 1.5, 60, "top-down")
     window.tab("Rule")
 
 
@@ -110,15 +116,12 @@ def test_the_card_opens_beside_the_clicked_agent_and_never_over_it(own, laborato
         page.wait_for_timeout(300)
         laboratory.select(None)
         page.locator(".fs-agent").wait_for(state="detached")
+        until(lambda row=row: in_sight(page, on_page(page, laboratory, client, row)))
         page.mouse.click(*on_page(page, laboratory, client, row))
-        until(lambda: laboratory.selected is not None, 10, "an agent that is clicked")
+        until(lambda: laboratory.selected is not None, 60, "an agent that is clicked")
         page.get_by_text(f"Agent {frame.ids[laboratory.selected]}").wait_for(timeout=60_000)
         page.wait_for_timeout(1000)
-        x, y = on_page(page, laboratory, client, laboratory.selected)
-        under = page.evaluate(
-            "([x, y]) => document.elementFromPoint(x, y).matches('canvas')", [x, y]
-        )
-        assert under, "the agent is in sight"
+        assert in_sight(page, on_page(page, laboratory, client, laboratory.selected))
         card = page.locator(".fs-agent").bounding_box()
         canvas = page.locator("canvas[data-engine]").bounding_box()
         assert card["width"] > 200
