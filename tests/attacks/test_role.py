@@ -136,7 +136,7 @@ WAYS = {
 @pytest.mark.parametrize("way", WAYS)
 def test_no_control_of_the_world_that_is_hidden_changes_it(laboratory, eve, way):
     world = laboratory.world
-    hidden = (world.tool, world.which, world.acts, world.clear, world.open, world.goal)
+    hidden = (world.tool, world.which, world.acts, world.clear, world.opening, world.goal)
     until(lambda: not any(one.visible for one in (*hidden, *world.sliders.values())))
     assert world.save.visible
     assert REFUSED.format("the world") in world.note.content

@@ -204,7 +204,7 @@ def test_who_plays_the_ordinary_agents_has_their_sliders_and_no_others(played):
 
 def test_who_plays_nothing_any_more_has_the_world_and_its_tools_again(played):
     played.open_played(SavedScene("Hunt", SPEC), "shark")
-    tools = (played.world.tool, played.world.clear, played.world.open, played.setup.agents)
+    tools = (played.world.tool, played.world.clear, played.world.opening, played.setup.agents)
     until(lambda: not any(control.visible for control in tools))
     with pytest.raises(InputError, match="you play shark: the world cannot be changed here"):
         played.simulation.edits.change(Editor.clear).result(60)

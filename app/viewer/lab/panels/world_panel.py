@@ -77,14 +77,17 @@ class WorldControls:
         )
         self.clear = gui.add_button("Remove all obstacles", icon=viser.Icon.TRASH, color="gray")
         self.save = gui.add_button("Save layout (TOML)", icon=viser.Icon.DOWNLOAD, color="gray")
-        self.open = gui.add_upload_button(
-            "Open layout ...",
-            icon=viser.Icon.UPLOAD,
-            color="gray",
-            mime_type=",".join(ENDINGS),
-            hint="TOML, a drawing (DXF, SVG, GeoJSON, WKT) or a map (Vadere, MovingAI, ROS as ZIP) "
-            "of up to 5 MB; builds a new flock in it",
-        )
+        self.opening = gui.add_folder(None)
+        """With the button in it: viser hides a folder, but no button that takes a file."""
+        with self.opening:
+            self.open = gui.add_upload_button(
+                "Open layout ...",
+                icon=viser.Icon.UPLOAD,
+                color="gray",
+                mime_type=",".join(ENDINGS),
+                hint="TOML, a drawing (DXF, SVG, GeoJSON, WKT) or a map (Vadere, MovingAI, ROS as "
+                "ZIP) of up to 5 MB; builds a new flock in it",
+            )
 
     def fit(self, world: World) -> None:
         """Let the sliders fit a world of another size."""
@@ -400,7 +403,7 @@ class WorldPanel(WorldControls):
         mission = editor.world.mission
         goal = mission is not None and mission.goal is not None
         self.fit(editor.world)
-        for tool in (self.tool, self.which, self.acts, self.clear, self.open):
+        for tool in (self.tool, self.which, self.acts, self.clear, self.opening):
             set_property(tool, "visible", played is None)
         self.measure(obstacle, resting)
         self.list(editor, self.selected)
