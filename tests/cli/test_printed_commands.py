@@ -45,6 +45,9 @@ RUN = {
     "flockscope world import {command}": "world import {drawing} --out {folder}/yard.toml",
     "flockscope recover {self.part}": "recover {part}",
     "flockscope sweep run FILE.toml": "sweep run {sweep_file} --out {sweep} --workers 1",
+    "flockscope sweep run FILE.toml --rule FILE.py": (
+        "sweep run {sweep_file} --rule {policy} --out {folder}/flown --workers 1"
+    ),
     "flockscope sweep run {shlex.quote(str(folder))}": "sweep run {sweep} --workers 1",
     "flockscope sweep run {folder.name}": "sweep run {sweep} --workers 1",
     "flockscope sweep list": "sweep list --in {folder}",
@@ -206,6 +209,8 @@ def files(tmp_path_factory):
     sweep |= {"design": [{"kind": "grid", "axes": {"eta": [0.0, 1.0]}}]}
     sweep |= {"observe": [{"name": "polarisation"}]}
     (folder / "weights.toml").write_text(tomlkit.dumps(sweep))
+    policy = "from flockscope import policy\n\n@policy\ndef straight(seen):\n    return seen"
+    (folder / "straight.py").write_text(policy)
     (folder / "yard.wkt").write_text("POLYGON((0 0, 9 0, 9 9, 0 9, 0 0))")
     recorder = Recorder(folder / "cut.parquet", run.flock)
     recorder.__enter__()
@@ -216,6 +221,7 @@ def files(tmp_path_factory):
         "folder": folder,
         "sweep_file": folder / "weights.toml",
         "sweep": folder / "weights",
+        "policy": folder / "straight.py",
         "drawing": folder / "yard.wkt",
         "part": folder / "cut.parquet.part",
     }
