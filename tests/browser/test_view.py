@@ -11,6 +11,12 @@ from tests.browser.conftest import obeyed
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 
+FRAMES = """() => new Promise((done) => {
+  let left = 20;
+  const next = () => left-- ? requestAnimationFrame(next) : done();
+  next();
+})"""
+"""Waits until a page has drawn some pictures, however long it takes for one."""
 CARD = "[data-floating-window]:has(.fs-agent)"
 
 
@@ -42,6 +48,27 @@ def in_sight(page, place) -> bool:
     return page.evaluate("([x, y]) => document.elementFromPoint(x, y)?.matches('canvas')", place)
 
 
+def settle(page, client) -> None:
+    """Wait until the picture has its shape and its camera stands: a page is laid out in steps.
+
+    Its size in pixels is no sign: a page that draws too slowly draws fewer of them.
+    """
+    canvas = page.locator("canvas[data-engine]")
+
+    def state():
+        box, camera = canvas.bounding_box(), client.camera
+        shape = camera.image_width / camera.image_height
+        return box["width"] / box["height"], shape, *camera.position, *camera.look_at
+
+    def stands() -> bool:
+        before = state()
+        page.evaluate(FRAMES)
+        after = state()
+        return after[0] == pytest.approx(after[1], rel=0.01) and after == pytest.approx(before)
+
+    until(stands, 60, "a picture that stands")
+
+
 @pytest.fixture(params=[(1100, 700), (390, 844)], ids=["wide", "phone"])
 def own(request, chromium, laboratory, window):
     """A page beside the window, and its browser as the laboratory knows it."""
@@ -55,7 +82,7 @@ def own(request, chromium, laboratory, window):
             page.locator(".fs-card").first.wait_for(state="attached", timeout=90_000)
             client = client_of(laboratory, known)
             until(lambda: client.camera.image_width > 0, 60)
-            page.wait_for_timeout(1500)
+            settle(page, client)
             Window.close_notices(SimpleNamespace(page=page))
             yield page, client
         laboratory.select(None)
@@ -113,9 +140,9 @@ def test_the_card_opens_beside_the_clicked_agent_and_never_over_it(own, laborato
     middle = int(np.argmin(np.linalg.norm(frame.position - frame.size / 2, axis=1)))
     edge = int(np.argmax(frame.position[:, 0]))
     for row in (middle, edge):
-        page.wait_for_timeout(300)
         laboratory.select(None)
         page.locator(".fs-agent").wait_for(state="detached")
+        settle(page, client)
         until(lambda row=row: in_sight(page, on_page(page, laboratory, client, row)))
         page.mouse.click(*on_page(page, laboratory, client, row))
         until(lambda: laboratory.selected is not None, 60, "an agent that is clicked")
